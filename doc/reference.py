@@ -24,7 +24,7 @@ def functions(text):
     """Yield (name, summary); functions that follow each other share the comment before the first."""
     summary = ""
     for comment, code in re.findall(r"/\*\*(?!<)(.*?)\*/([^/]*(?:/(?!\*\*[^<])[^/]*)*)", text, flags=re.S):
-        summary = first_sentence(comment)
+        summary = first_sentence(comment) + (" (**experimental**)" if "NQM_EXPERIMENTAL" in comment else "")
         for name in re.findall(r"NQM_API[^;]*?\b(nqm_\w+)\(", code):
             if not name.endswith("_free"):
                 yield name, summary
@@ -34,7 +34,7 @@ print("""# Reference of the C library
 
 Which functions are there? This page is an index made from the headers (`./dev pages`), which are the manual: shapes, units, ranges, errors,
 ownership and threads are described there. What is opened, loaded or created is freed by the function `_free` of its type, which the lists leave out.
-`<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
+What is marked as **experimental** may change in any release. `<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
 [examples/](../examples) has complete programs.""")
 PLAIN = re.compile(r"_(?:default|get_\w+|count|name|text|version|id|degrees|wi|wo|weights|size)$")  # their names say what they return
 CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric", "texture")
@@ -45,6 +45,7 @@ for name in sorted(set(names), key=names.index):
         text = file.read()
     title = re.search(r"nqm/%s\.h - (.*?)(?:\n \*\n| \*/)" % name, text, flags=re.S).group(1)
     title = re.sub(r"\s*\n \*\s*", " ", title).strip()
+    title = title.replace("NQM_EXPERIMENTAL", "**Experimental**")
     if name not in CORE and "libnqm-full" not in title:
         title += " In libnqm-full only."
     print("\n## %s.h\n\n[nqm/%s.h](../include/nqm/%s.h): %s\n" %

@@ -34,12 +34,12 @@ static void read_bytes(const uint8_t *data, size_t n_bytes) {
     }
     for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
-        nqm_shading shading;
+        nqm_values values;
         must(info.name && info.surface && !info.spec == (info.refusal != NULL));
         must(info.byte_offset >= 0 && (size_t)info.byte_offset < n_bytes);
         if (nqm_materials_textured(materials, i))
             check_maps(nqm_materials_textured(materials, i), &map);
-        must(!info.spec || nqm_shading_parse(info.spec, &shading, NULL) == NQM_OK);
+        must(!info.spec || nqm_values_parse_spec(info.spec, &values, NULL) == NQM_OK);
     }
     nqm_materials_free(materials);
 }

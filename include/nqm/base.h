@@ -24,6 +24,8 @@
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other
  *    objects belong to one thread at a time.
  *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
+ *  - What a comment marks with the word NQM_EXPERIMENTAL (a header, or a function) is new: it may change in any release until it has been
+ *    used for a while. doc/reference-c.md lists it.
  *  - Random numbers come from seeds that are arguments; results do not depend on the number of threads.
  *  - Large calls work on the threads of OpenMP, which the first such call starts. Without memory for them GCC's runtime
  *    library ends the process (OMP_NUM_THREADS=1 avoids it). The child of fork() uses one thread (omp_set_num_threads(1));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/corpus.h - datasets of labelled pairs of BRDFs, from a list of the pairs. In libnqm-full only.
+ * nqm/corpus.h - datasets of labelled pairs of BRDFs, from a list of the pairs. In libnqm-full only. NQM_EXPERIMENTAL.
  */
 #ifndef NQM_CORPUS_H
 #define NQM_CORPUS_H

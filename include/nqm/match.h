@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm/match.h - fits that look right: analytic and shading models fitted by the predicted difference of pictures, by
- * distances of BRDF values, or by sums of both. In libnqm-full only. Any thread.
+ * distances of BRDF values, or by sums of both. In libnqm-full only. Any thread. NQM_EXPERIMENTAL.
  */
 #ifndef NQM_MATCH_H
 #define NQM_MATCH_H

@@ -19,6 +19,7 @@
 #include <nqm/percept.h>
 #include <nqm/render.h>
 #include <nqm/samples.h>
+#include <nqm/texture.h>
 #include <nqm/train.h>
 
 #endif

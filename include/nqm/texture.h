@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm/texture.h - scores of materials whose properties vary over a surface by image maps: near, where the texels are seen, and far,
- * where they are smaller than a pixel; which map is to blame.
+ * where they are smaller than a pixel; which map is to blame. NQM_EXPERIMENTAL.
  *
  * Delta-E ITP of a picture is a mean over its pixels, so the Delta-E of two textured materials that are seen from near
  * is the mean over the texels of the Delta-E of both BRDFs there (doc/textures.md).

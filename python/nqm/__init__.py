@@ -12,7 +12,7 @@ are first used.
 from typing import Any as _Any
 
 from ._abi import Status
-from ._abi import lib as _lib
+from ._library import lib as _lib
 from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, files_within,
                     half_diff_to_directions, materials, presets, table_nodes)
 from ._call import Error

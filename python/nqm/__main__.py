@@ -11,7 +11,7 @@ def tool() -> Optional[str]:
     """The tool: NQM_TOOL; in the folder of the library (a build) or in bin/ beside its lib/; in PATH."""
     if os.environ.get("NQM_TOOL"):
         return os.environ["NQM_TOOL"]
-    from ._abi import lib
+    from ._library import lib
 
     candidates = []
     if os.sep in lib._name:

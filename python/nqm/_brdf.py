@@ -10,9 +10,9 @@ from typing import Any, Callable, Iterable, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _abi
-from ._abi import lib
-from ._call import (PathLike, ProgressLike, Watch, address, call, choice, decode, encode, ignoring, own_handle, progress_callback,
-                    triples)
+from ._library import lib
+from ._call import (PathLike, ProgressLike, Watch, address, array_at, call, choice, decode, encode, ignoring, own_handle, progress_callback,
+                    triples, words)
 
 #: A function of Python code that evaluates a BRDF: `wi`, `wo` (n, 3) to f_r (n, 3).
 EvalFunction = Callable[[np.ndarray, np.ndarray], Any]
@@ -116,7 +116,7 @@ def _callback(function: EvalFunction, watch: Watch) -> Any:
                              (len(wi), value.shape))
         return value
 
-    return _abi.Eval(evaluate)
+    return _abi.BrdfEval(evaluate)
 
 
 class BRDF:
@@ -290,7 +290,7 @@ class BRDF:
             f_r (n, 3) float32, and flags (n) uint8 as those of `eval_flags`
         """
         rgb, flag = np.empty((len(directions), 3), np.float32), np.empty(len(directions), np.uint8)
-        call(lib.nqm_sample, self._handle, directions._handle, choice("invalid", invalid, _abi.INVALID), address(rgb),
+        call(lib.nqm_sample, self._handle, directions._handle, choice("invalid", invalid, words(_abi.InvalidPolicy)), address(rgb),
              address(flag), None, watches=self._watches)
         return rgb, flag
 
@@ -304,11 +304,12 @@ class BRDF:
 
         Args:
             path: the file appears under its name only when it is complete
-            format: "merl": 90 x 90 x 180 cells, reciprocal; "merl_360": 90 x 90 x 360 cells, which distinguish light and viewer
+            format: "merl": 90 x 90 x 180 cells, reciprocal; "merl_360": 90 x 90 x 360 cells, which distinguish light and viewer; "npy": an
+                array for `from_table`, for any BRDF
             progress: called with the stage, the work done and the total; True shows a line on standard error
         """
         own = Watch()
-        call(lib.nqm_brdf_write, self._handle, choice("format", format, _abi.TABLES), encode(path),
+        call(lib.nqm_brdf_write, self._handle, choice("format", format, words(_abi.TableFormat)), encode(path),
              progress_callback(progress, self._watches, own), None, watches=self._watches, own=own)
 
     def save_material(self, path: PathLike, name: str = "material") -> None:
@@ -520,13 +521,12 @@ class Directions:
     @property
     def degrees(self) -> np.ndarray:
         """(n, 3) theta_h, theta_d, phi_d in degrees; a copy."""
-        return np.ctypeslib.as_array(lib.nqm_directions_degrees(self._handle), shape=(len(self), 3)).copy()
+        return array_at(lib.nqm_directions_degrees(self._handle), (len(self), 3))
 
     @property
     def vectors(self) -> Tuple[np.ndarray, np.ndarray]:
         """Unit vectors `wi`, `wo`, (n, 3) each."""
-        wi, wo = (np.ctypeslib.as_array(f(self._handle), shape=(len(self), 3)).copy()
-                  for f in (lib.nqm_directions_wi, lib.nqm_directions_wo))
+        wi, wo = (array_at(f(self._handle), (len(self), 3)) for f in (lib.nqm_directions_wi, lib.nqm_directions_wo))
         return wi, wo
 
 

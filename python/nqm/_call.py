@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import enum
 import os
 import signal
 import sys
 import threading
 import weakref
 from ctypes import POINTER
-from typing import Any, Callable, Iterator, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
-from ._abi import CError, Progress, Status, lib
+from . import _abi
+from ._abi import Progress, Status
+from ._library import lib
 
 PathLike = Union[str, "os.PathLike[str]"]
 #: Progress of a long call: called with the stage ("fit"), the work done, and the total work (0: unknown). Raise an exception
@@ -51,7 +54,7 @@ def status_text(status: int) -> str:
     return lib.nqm_status_text(status).decode()
 
 
-def error_of(err: CError, status: int) -> Error:
+def error_of(err: _abi.Error, status: int) -> Error:
     message = err.message.decode("utf-8", "replace") or status_text(status)
     return Error(message, Status(status), err.byte_offset if err.byte_offset >= 0 else None)
 
@@ -189,8 +192,8 @@ def progress_callback(progress: ProgressLike, watches: "Sequence[Watch]", own: W
 def call(function: Any, *args: Any, watches: Sequence[Watch] = (), own: Optional[Watch] = None) -> Any:
     """Call a function of the library and raise what went wrong: an exception of a callback first, then its own error. Threads that
     use the same Python callback take turns."""
-    err = CError()
-    fallible = bool(function.argtypes) and function.argtypes[-1] is POINTER(CError)
+    err = _abi.Error()
+    fallible = bool(function.argtypes) and function.argtypes[-1] is POINTER(_abi.Error)
     used = ([own] if own else []) + list(watches)
     refuse_reentry(used)
     with contextlib.ExitStack() as stack:
@@ -242,6 +245,16 @@ def decode(text: Optional[bytes]) -> Optional[str]:
 
 def address(array: np.ndarray) -> int:
     return array.ctypes.data
+
+
+def array_at(at: int, shape: Tuple[int, ...], kind: Any = ctypes.c_double) -> np.ndarray:
+    """A copy of an array of the library."""
+    return np.ctypeslib.as_array(ctypes.cast(at, POINTER(kind)), shape).copy()
+
+
+def words(values: Type[enum.IntEnum]) -> Tuple[str, ...]:
+    """The names of an enum that counts from 0, for `choice`."""
+    return tuple(v.name.lower() for v in values)
 
 
 def choice(name: str, value: str, names: Sequence[str]) -> int:

@@ -10,9 +10,9 @@ from typing import Any, Dict, Optional
 import numpy as np
 
 from . import _abi
-from ._abi import lib
+from ._library import lib
 from ._brdf import Directions
-from ._call import PathLike, call, choice, encode, own_handle
+from ._call import PathLike, call, choice, encode, own_handle, words
 
 _TYPES = {"F32": "<f4", "F64": "<f8", "U8": "u1", "U32": "<u4"}
 
@@ -82,7 +82,7 @@ class Dataset:
         """Open the folder layout of the paper's authors (doc/files.md). Such a dataset has labels, but `ref_samples`, `test_samples` and
         `used` are not available."""
         handle = c_void_p()
-        call(lib.nqm_dataset_load_authors, encode(root), encode(labels_csv), choice("split", split, _abi.SPLITS), byref(handle))
+        call(lib.nqm_dataset_load_authors, encode(root), encode(labels_csv), choice("split", split, words(_abi.Split)), byref(handle))
         return cls._own(handle, None)
 
     def __len__(self) -> int:
@@ -113,7 +113,7 @@ class Dataset:
         columns = {name: np.array([getattr(p, name) for p in pairs], dtype=np.float64) for name in ("jod", "delta_e")}
         for name in ("ref", "group", "test", "kind", "family", "material_class", "source"):
             columns[name] = np.array([getattr(p, name).decode() for p in pairs], dtype=object)
-        columns["split"] = np.array([_abi.SPLITS[p.split] for p in pairs], dtype=object)
+        columns["split"] = np.array([_abi.Split(p.split).name.lower() for p in pairs], dtype=object)
         return columns
 
     def __getattr__(self, name: str) -> np.ndarray:

@@ -10,8 +10,9 @@ from ctypes import POINTER, byref
 from dataclasses import dataclass
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
-from ._abi import Library, LibraryOptions, LibraryPair, LibraryQuery, LibraryValue, Report, lib
+from ._abi import Library, LibraryOptions, LibraryPair, LibraryQuery, LibraryValue
 from ._call import PathLike, ProgressLike, Watch, call, encode, error_of, progress_callback
+from ._library import lib
 from ._score import ModelLike, Score, Scorer, score_of
 
 PathsLike = Union[PathLike, Sequence[PathLike]]
@@ -24,7 +25,7 @@ class _Finder:
         self._scorer = Scorer(model, metrics=False, **options)
         self._own = Watch()
         self._messages: List[str] = []
-        report = Report(lambda user, status, message: self._messages.append(os.fsdecode(message)))
+        report = dict(LibraryOptions._fields_)["report"](lambda user, status, message: self._messages.append(os.fsdecode(message)))
         self._options = LibraryOptions(None if ignore is None else encode(ignore), None if index is None else encode(index),
                                        ctypes.pointer(self._scorer._options), progress_callback(progress, (), self._own), report, None)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, List, Mapping, Optional, Tuple
 
 from . import _abi
-from ._abi import lib
+from ._library import lib
 from ._brdf import BRDF, BRDFLike, as_brdf, set_options
 from ._call import Error, ProgressLike, Watch, call, encode, progress_callback
 from ._scene import Scene, standard_scene

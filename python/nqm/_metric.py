@@ -12,9 +12,10 @@ from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 
-from ._abi import NamedPair, Pairs, lib
+from ._abi import NamedPair, Pairs
 from ._brdf import BRDFLike
 from ._call import Error, PathLike, ProgressLike, call, encode
+from ._library import lib
 from ._score import METRICS, ModelLike, Scorer
 from ._texture import MapScore, Material, score_maps
 

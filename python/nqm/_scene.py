@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import functools
 import warnings
-from ctypes import byref, c_double, c_void_p
+from ctypes import byref, c_double, c_size_t, c_void_p
 from dataclasses import dataclass
 from typing import Any, List, Optional, Tuple, Union, overload
 
 import numpy as np
 
 from . import _abi
-from ._abi import lib
+from ._library import lib
 from ._brdf import BRDFLike, as_brdf, set_options
-from ._call import ProgressLike, Watch, address, call, choice, encode, own_handle, progress_callback, triples
+from ._call import ProgressLike, Watch, address, array_at, call, choice, encode, own_handle, progress_callback, triples, words
 from ._score import Parts, parts_of
 
 OPTIONS = ("width", "height", "n_points", "n_frames", "turn_rad", "elevation_rad", "n_lights", "light_width", "shadows",
@@ -67,7 +67,7 @@ class Scene:
     def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard",
                  progress: ProgressLike = None, **options: Any) -> None:
         o = set_options(lib.nqm_scene_options_default(), options, OPTIONS)
-        o.scene = choice("kind", kind, _abi.SCENES)
+        o.scene = choice("kind", kind, words(_abi.SceneKind))
         o.light, o.shape = (None if v is None else encode(v) for v in (light, shape))
         self._watch = Watch()
         self._progress = o.progress = progress_callback(progress, (), self._watch)  # must live as long as the handle
@@ -85,13 +85,13 @@ class Scene:
     def weights(self) -> np.ndarray:
         """(n_points) the fraction of the picture that each point represents; they sum to 1."""
         n, weights = len(self), lib.nqm_scene_weights(self._handle)
-        return np.ctypeslib.as_array(weights, shape=(n,)).copy() if weights else np.full(n, 1 / n)
+        return array_at(weights, (n,)) if weights else np.full(n, 1 / n)
 
     @property
     def pixels(self) -> Optional[np.ndarray]:
         """(n_points) the pixel of each point, (frame * height + y) * width + x; None without a width."""
         pixels = lib.nqm_scene_pixels(self._handle)
-        return np.ctypeslib.as_array(pixels, shape=(len(self),)).copy() if pixels else None
+        return array_at(pixels, (len(self),), c_size_t) if pixels else None
 
     def points(self, brdf: BRDFLike) -> np.ndarray:
         """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped. Warns when the BRDF has no value
@@ -110,8 +110,8 @@ class Scene:
         call(lib.nqm_scene_render_halves, self._handle, brdf._handle, None, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
         return _abi.ScenePicture(brdf._handle, address(rgb), valid), rgb
 
-    def _label(self, pair: Tuple[BRDF, BRDF], pictures: Tuple[Any, Any], delta_e: Optional[np.ndarray] = None) -> Tuple[_abi.CLabel, float]:
-        label, valid = _abi.CLabel(), c_double()
+    def _label(self, pair: Tuple[BRDF, BRDF], pictures: Tuple[Any, Any], delta_e: Optional[np.ndarray] = None) -> Tuple[_abi.Label, float]:
+        label, valid = _abi.Label(), c_double()
         call(lib.nqm_scene_label, self._handle, byref(pictures[0][0]), byref(pictures[1][0]), byref(label),
              None if delta_e is None else address(delta_e), byref(valid), watches=(self._watch, *pair[0]._watches, *pair[1]._watches))
         return label, valid.value
@@ -177,11 +177,11 @@ class Rays:
     """
 
     def __init__(self, n: int = 4096, seed: int = 1, *, scene: Optional[Scene] = None) -> None:
-        self._rays = rays = _abi.CRays()
+        self._rays = rays = _abi.Rays()
         call(lib.nqm_rays_draw, (standard_scene() if scene is None else scene)._handle, n, seed, byref(rays))
         own_handle(self, rays, lib.nqm_rays_clear)
-        self.wi, self.wo, self.weight = (np.ctypeslib.as_array(a, (rays.n, 3)).copy() for a in (rays.wi, rays.wo, rays.weight))
-        self.point = np.ctypeslib.as_array(rays.point, (rays.n,)).copy()
+        self.wi, self.wo, self.weight = (array_at(a, (rays.n, 3)) for a in (rays.wi, rays.wo, rays.weight))
+        self.point = array_at(rays.point, (rays.n,), c_size_t)
 
     def __len__(self) -> int:
         """Number of rays."""
@@ -201,7 +201,7 @@ class Rays:
         ref, test = triples("ref", ref), triples("test", test)
         if ref.shape != self.wi.shape or test.shape != self.wi.shape:
             raise ValueError("ref and test have the shape %s of the rays; not %s and %s" % (self.wi.shape, ref.shape, test.shape))
-        label, gradient = _abi.CLabel(), np.empty_like(test)
+        label, gradient = _abi.Label(), np.empty_like(test)
         call(lib.nqm_rays_compare, byref(self._rays), address(ref), address(test), byref(label), address(gradient))
         return label.delta_e, gradient
 

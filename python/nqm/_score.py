@@ -14,13 +14,13 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union, 
 import numpy as np
 
 from . import _abi
-from ._abi import CLabel, NamedPair, SamplePair, ScoreResult, lib
+from ._abi import NamedPair, SamplePair, ScoreResult
+from ._library import lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, Turns, address, call, choice, decode, encode, error_of, own_handle, progress_of,
-                    status_text)
+from ._call import (Error, PathLike, ProgressLike, Turns, address, array_at, call, choice, decode, encode, error_of, own_handle, progress_of,
+                    status_text, words)
 
-BLOCK = 256  # pairs of one call, as NQM_SCORE_BLOCK: Ctrl-C and progress act between calls
-METRICS = tuple(lib.nqm_metric_get_info(i).name.decode() for i in range(_abi.N_METRICS))
+METRICS = tuple(lib.nqm_metric_get_info(i).name.decode() for i in range(len(_abi.Metric)))
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Model:
     def info(self) -> ModelInfo:
         """Facts about the model."""
         i = lib.nqm_model_get_info(self._handle)
-        sizes = tuple(i.layer_sizes[k] for k in range(i.n_layers + 1)) if i.n_layers else ()
+        sizes = tuple(array_at(i.layer_sizes, (i.n_layers + 1,), ctypes.c_size_t).tolist()) if i.n_layers else ()
         return ModelInfo(i.id.decode(), i.recipe.decode(), i.sha256.decode(), i.card.decode(), i.licence.decode(),
                          i.n_parameters, sizes, i.jod_min, i.jod_max, bool(i.calibration))
 
@@ -130,8 +130,8 @@ class Parts:
     words: str
 
 
-def parts_of(label: CLabel) -> Parts:
-    words = lib.nqm_label_describe(byref(label), ctypes.create_string_buffer(160)).decode()
+def parts_of(label: _abi.Label) -> Parts:
+    words = lib.nqm_label_describe(byref(label), ctypes.create_string_buffer(_abi.LABEL_TEXT)).decode()
     return Parts((label.shift[0], label.shift[1], label.shift[2]), label.contrast, label.structure, words)
 
 
@@ -234,7 +234,7 @@ class Scorer:
     def __init__(self, model: ModelLike = "default", *, invalid: str = "drop", min_valid: float = 0.9,
                  metrics: bool = True, cache_mb: float = 64) -> None:
         self.model = as_model(model)
-        self._options = _abi.ScoreOptions(choice("invalid", invalid, _abi.INVALID), min_valid, int(metrics),
+        self._options = _abi.ScoreOptions(choice("invalid", invalid, words(_abi.InvalidPolicy)), min_valid, int(metrics),
                                           int(cache_mb * 2**20))
         self._n_directions = len(self.model.directions)
         self._turns = Turns()
@@ -271,7 +271,7 @@ class Scorer:
     def _run_named(self, pairs: Sequence[Tuple[Any, Any]], results: Any) -> List[Optional[Error]]:
         """Score a block of pairs of paths and specs."""
         named = (NamedPair * len(pairs))(*[NamedPair(encode(a), encode(b)) for a, b in pairs])
-        errors = (_abi.CError * len(pairs))()
+        errors = (_abi.Error * len(pairs))()
         with self._turns.take():
             call(lib.nqm_scorer_run_named, self._handle, len(pairs), named, results, errors)
         return [error_of(e, r.status) if r.status else None for e, r in zip(errors, results)]
@@ -290,8 +290,8 @@ class Scorer:
         listed = [(ref, test) for ref, test in pairs]
         report = progress_of(progress)
         scores: List[Score] = []
-        for begin in range(0, len(listed), BLOCK):
-            block = listed[begin:begin + BLOCK]
+        for begin in range(0, len(listed), _abi.SCORE_BLOCK):
+            block = listed[begin:begin + _abi.SCORE_BLOCK]  # Ctrl-C and progress act between calls
             report("score", begin, len(listed))
             named = [i for i, pair in enumerate(block) if all(isinstance(b, (str, os.PathLike)) for b in pair)]
             results = (ScoreResult * len(named))()
@@ -329,7 +329,7 @@ class Scorer:
         refs, tests, masks, single = self._samples(ref, test, used)
         values, gradients = np.empty(len(tests)), np.empty(tests.shape, np.float32)
         with self._turns.take():
-            call(lib.nqm_score_grad, self._handle, choice("of", of, _abi.QUANTITIES), len(tests),
+            call(lib.nqm_score_grad, self._handle, choice("of", of, words(_abi.ScoreQuantity)), len(tests),
                  _sample_pairs(refs, tests, masks), address(values), address(gradients))
         return (float(values[0]), gradients[0]) if single else (values, gradients)
 
@@ -366,7 +366,7 @@ def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarra
 def _no_result(error: Error) -> ScoreResult:
     nan = math.nan
     r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=(nan, nan, nan))
-    r.metrics[:] = [nan] * _abi.N_METRICS
+    r.metrics[:] = [nan] * len(_abi.Metric)
     return r
 
 

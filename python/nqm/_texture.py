@@ -9,7 +9,8 @@ from typing import Any, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from ._abi import TextureMap, TextureResult, lib
+from ._abi import TextureMap, TextureResult
+from ._library import lib
 from ._call import PathLike, ProgressLike, Watch, address, call, encode, ignoring, own_handle, progress_callback
 from ._score import ModelLike, Parts, as_model, parts_of
 

@@ -15,7 +15,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from ._abi import lib
+from ._library import lib
 from ._call import call, encode
 from ._score import Model, ModelLike, as_model
 

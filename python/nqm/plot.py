@@ -24,7 +24,8 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from ._abi import RegressReport, Status, lib
+from ._abi import RegressReport, Status
+from ._library import lib
 from ._brdf import BRDFLike, Directions, as_brdf
 from ._call import Error, PathLike, address, call
 from ._metric import metrics

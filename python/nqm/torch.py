@@ -12,7 +12,7 @@ from typing import Any, Optional, Tuple
 
 import torch
 
-from ._abi import lib
+from ._library import lib
 from ._brdf import BRDF
 from ._scene import Rays, Scene
 from ._score import ModelLike, Scorer

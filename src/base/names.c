@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
     size_t *start = nqm_grow(names->start, &names->max_n, names->n + 1, sizeof *start);
@@ -76,4 +77,9 @@ void nqm_nearest_add(nqm_nearest *nearest, const char *name) {
         return;
     nearest->distance = d;
     snprintf(nearest->advice, sizeof nearest->advice, " (did you mean '%s'?)", name);
+}
+
+bool nqm_name_ends_in(const char *path, const char *suffix) {
+    size_t n = strlen(path), n_suffix = strlen(suffix);
+    return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
 }

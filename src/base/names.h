@@ -25,6 +25,9 @@ NQM_MUST_CHECK nqm_status nqm_names_intern(nqm_names *names, const char *name, s
                                            nqm_error *err);
 void nqm_names_free(nqm_names *names);
 
+/** Whether a file name ends in `suffix` (any case) and has something before it. */
+bool nqm_name_ends_in(const char *path, const char *suffix);
+
 /** The name among several that is most like a misspelt one. */
 typedef struct nqm_nearest {
     const char *wanted;

@@ -11,6 +11,7 @@
 
 #include "base/base.h"
 #include "math/math.h"
+#include "schema/schema.h"
 #include <nqm/brdf.h>
 
 /** What a format implements. `self` is its own immutable state. All functions are thread-safe. */
@@ -114,6 +115,8 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 
 /* ---- BRDFs of arrays and of other BRDFs --------------------------------------------------------------------------- */
 
+/** The BRDF of values in their ranges: without a spec, and with the name of its model. */
+NQM_MUST_CHECK nqm_status nqm_brdf_of_values(const nqm_values *values, nqm_brdf **brdf_ret, nqm_error *err);
 /** The normal of the frame of a BRDF that is turned or tilted, in that of the surface; else (0, 0, 1). */
 void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]);
 /** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */

@@ -7,8 +7,8 @@
 #include "brdf/core/spec.h"
 #include <string.h>
 
-#define TWIN_OF(NAME) {&(NAME), &(NAME##_mistaken)},
-static const nqm_analytic_model *const twins[][2] = {NQM_SHADING_MODELS(TWIN_OF)};
+#define TWIN_OF(NAME, ...) {&nqm_##NAME##_model, &nqm_##NAME##_model_mistaken},
+static const nqm_analytic_model *const twins[][2] = {NQM_SHADING_SCHEMAS(TWIN_OF)};
 
 static bool is_in(const nqm_mistakes *mistakes, int mistake) {
     return mistakes->made >> mistake & 1;
@@ -21,7 +21,7 @@ static double change(double v, const nqm_mistakes *m, double cos_i, double cos_o
     return is_in(m, NQM_MISTAKE_ENCODED) ? nqm_linear_to_srgb(v) : v;
 }
 
-void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *values, const nqm_mistakes *mistakes,
+void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_values *values, const nqm_mistakes *mistakes,
                        size_t n, const double *wi, const double *wo, float *rgb) {
     enum { PIECE = 256 };
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];

@@ -2,8 +2,9 @@
  *
  * Which BRDF an argument names: a spec, a file, or a member of a file. The list of all formats.
  */
+#include "brdf/core/spec.h"
 #include "brdf/formats/format.h"
-#include "brdf/models/presets.h"
+#include "schema/presets.h"
 
 #include "base/names.h"
 #include "io/io.h"

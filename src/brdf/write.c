@@ -25,29 +25,25 @@ nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const c
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_write: unknown format %d", path, (int)format);
 }
 
-static nqm_status read_shading(const char *spec, const char *path, nqm_shading *shading, nqm_error *err) {
-    nqm_brdf *brdf = NULL;
-    nqm_status status = nqm_shading_parse(spec, shading, err);
-    if (status == NQM_OK)
-        status = nqm_material_check(shading->model, path, err);
-    if (status == NQM_OK)
-        status = nqm_brdf_open(spec, &brdf, err); /* checks keys and values */
-    nqm_brdf_free(brdf);
-    return status;
+static nqm_status read_values(const char *spec, const char *path, nqm_values *values, nqm_error *err) {
+    char model[40];
+    snprintf(model, sizeof model, "%.*s", (int)strcspn(spec, ":"), spec);
+    nqm_status status = nqm_material_check(model, path, err);
+    return status == NQM_OK ? nqm_values_parse_spec(spec, values, err) : status;
 }
 
 nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names, const char *path,
                                     nqm_error *err) {
-    nqm_named_shading *materials = nqm_alloc(n, sizeof *materials);
+    nqm_written_material *materials = nqm_alloc(n, sizeof *materials);
     if (!materials)
         return nqm_fail_nomem(err, n * sizeof *materials);
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         snprintf(materials[i].name, sizeof materials[i].name, "%s", names[i]);
-        status = read_shading(specs[i], path, &materials[i].shading, err);
+        status = read_values(specs[i], path, &materials[i].values, err);
     }
     if (status == NQM_OK)
-        status = nqm_shadings_write(n, materials, path, NULL, err);
+        status = nqm_materials_write(n, materials, path, NULL, err);
     nqm_free(materials);
     return status;
 }

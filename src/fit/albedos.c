@@ -60,10 +60,11 @@ static void solve_channel(const nqm_fit_target *t, const double *base, const dou
     }
 }
 
-nqm_status nqm_fit_solve_albedos(const nqm_fit_space *space, const nqm_fit_target *t, nqm_spec_values *values,
+nqm_status nqm_fit_solve_albedos(const nqm_fit_space *space, const nqm_fit_target *t, nqm_values *values,
                                  nqm_error *err) {
     static const double one[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
-    const size_t kd = nqm_fit_key(&space->model->schema, "kd"), ks = nqm_fit_key(&space->model->schema, "ks");
+    const size_t kd = nqm_schema_key_named(space->model->schema, "kd", 2),
+                 ks = nqm_schema_key_named(space->model->schema, "ks", 2);
     double *base, *lobe, found[2][3] = {{0}};
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&base, 3 * t->n, sizeof *base}, {&lobe, 3 * t->n, sizeof *lobe}), err);

@@ -1,149 +1,140 @@
 /* SPDX-License-Identifier: MIT
  *
- * The anisotropic lobe of the base of shading models: each names its widths and its azimuth differently.
+ * The anisotropic lobe of the base of shading models, which name its widths and its azimuth differently.
  */
 #include "fit/anisotropy.h"
 #include "brdf/brdf.h"
-#include "brdf/core/spec.h"
 
 #include <math.h>
 #include <string.h>
 
-/* amount NULL: the key of the roughness has both widths. */
-typedef struct anisotropy {
-    const char *model, *roughness, *amount;
-    double scale; /* the amount a has the ratio 1 - scale a of the widths; 0: glTF's strength */
-    const char *rotation;
-    double turn; /* azimuth of the rotation 1, radians */
-} anisotropy;
+/* The keys of the lobe. A width with two values has no amount. */
+typedef struct lobe_keys {
+    const nqm_schema *schema;
+    size_t width, amount, azimuth; /* n_keys: none */
+} lobe_keys;
 
-static const anisotropy anisotropies[] = {
-    {"open-pbr", "specular_roughness", "specular_roughness_anisotropy", 1, NULL, 0},
-    {"standard-surface", "specular_roughness", "specular_anisotropy", 1, "specular_rotation", -2 * NQM_PI},
-    {"gltf", "roughness", "anisotropy_strength", 0, "anisotropy_rotation", 1},
-    {"disney", "roughness", "anisotropic", 1, NULL, 0},
-    {"principled", "roughness", "anisotropic", 0.9, NULL, 0},
-    {"blender-principled", "roughness", "anisotropic", 0.9, "anisotropic_rotation", 2 * NQM_PI},
-    {"rough-conductor", "alpha", NULL, 0, NULL, 0},
-    {"pbrt-conductor", "roughness", NULL, 0, NULL, 0},
-};
-
-/* NULL: the model is isotropic. */
-static const anisotropy *find_anisotropy(const char *model) {
-    for (size_t i = 0; i < sizeof anisotropies / sizeof *anisotropies; ++i)
-        if (strcmp(anisotropies[i].model, model) == 0)
-            return &anisotropies[i];
-    return NULL;
+static lobe_keys keys_of(const nqm_schema *schema) {
+    return (lobe_keys){schema, nqm_schema_key_of(schema, NQM_ROLE_WIDTH),
+                       nqm_schema_key_of(schema, NQM_ROLE_ANISOTROPY), nqm_schema_key_of(schema, NQM_ROLE_AZIMUTH)};
 }
 
-bool nqm_fit_can_be_anisotropic(const char *model, bool turned) {
-    const anisotropy *a = find_anisotropy(model);
-    return a && (!turned || a->rotation);
+static bool has_two_widths(const lobe_keys *keys) {
+    return keys->width < keys->schema->n_keys && keys->schema->keys[keys->width].n == 2;
+}
+
+static bool has_amount(const lobe_keys *keys) {
+    return keys->amount < keys->schema->n_keys;
+}
+
+static bool has_azimuth(const lobe_keys *keys) {
+    return keys->azimuth < keys->schema->n_keys;
+}
+
+static nqm_unit unit_of(const lobe_keys *keys, size_t key) {
+    return key < keys->schema->n_keys ? keys->schema->keys[key].unit : NQM_UNIT_PLAIN;
+}
+
+bool nqm_fit_can_be_anisotropic(const nqm_schema *schema, bool needs_azimuth) {
+    const lobe_keys keys = keys_of(schema);
+    return (has_two_widths(&keys) || has_amount(&keys)) && (!needs_azimuth || has_azimuth(&keys));
 }
 
 /* The mean of both widths alpha, the ratio of the smaller to the larger, and the azimuth of the larger. */
 typedef struct lobe {
-    double mean, ratio, turn;
+    double mean, ratio, azimuth;
 } lobe;
 
 /* OpenPBR keeps the mean of the squares: its mean width is this times roughness^2. */
-static double open_pbr_mean(const anisotropy *a, double ratio) {
-    return strcmp(a->model, "open-pbr") == 0 ? sqrt(2 * ratio / (1 + ratio * ratio)) : 1;
+static double mean_of_ratio(nqm_unit unit, double ratio) {
+    return unit == NQM_UNIT_RATIO_MEAN ? sqrt(2 * ratio / (1 + ratio * ratio)) : 1;
 }
 
-static double value_of(const nqm_shading *shading, const char *key) {
-    const nqm_property *p = key ? nqm_shading_find(shading, key) : NULL;
-    return p ? p->v[0] : 0;
+static double scale_of(nqm_unit unit) {
+    return unit == NQM_UNIT_RATIO_90 ? 0.9 : 1;
 }
 
 static lobe lobe_of_widths(double x, double y) {
     return (lobe){sqrt(x * y), fmin(x, y) / fmax(x, y), x < y ? NQM_PI / 2 : 0};
 }
 
-/* Of a canonical spec. */
-static lobe read_lobe(const nqm_shading *s, const anisotropy *a) {
-    const nqm_property *r = nqm_shading_find(s, a->roughness);
-    const double alpha = r->v[0] * r->v[0], amount = value_of(s, a->amount), turn = a->turn * value_of(s, a->rotation);
-    if (!a->amount && strcmp(a->roughness, "alpha") == 0)
-        return lobe_of_widths(r->v[0], r->v[1]);
-    if (!a->amount)
-        return lobe_of_widths(sqrt(r->v[0]), sqrt(r->v[1]));
-    if (a->scale == 0) {
+static lobe read_lobe(const nqm_values *from, const lobe_keys *keys) {
+    const double *width = from->v[keys->width];
+    const nqm_unit of_width = unit_of(keys, keys->width), of_amount = unit_of(keys, keys->amount);
+    const double alpha = nqm_unit_convert(width[0], of_width, NQM_UNIT_ALPHA);
+    if (!has_amount(keys))
+        return lobe_of_widths(alpha, nqm_unit_convert(width[1], of_width, NQM_UNIT_ALPHA));
+    const double amount = from->v[keys->amount][0];
+    const double azimuth =
+        has_azimuth(keys) ? nqm_unit_convert(from->v[keys->azimuth][0], unit_of(keys, keys->azimuth), NQM_UNIT_RADIANS)
+                          : 0;
+    if (of_amount == NQM_UNIT_STRENGTH) {
         lobe l = lobe_of_widths(alpha + (1 - alpha) * amount * amount, alpha);
-        l.turn = turn;
+        l.azimuth = azimuth;
         return l;
     }
-    const double ratio = fmax(0.02, 1 - a->scale * amount); /* the least of the node roughness_anisotropy */
-    return (lobe){alpha * open_pbr_mean(a, ratio), ratio, turn};
-}
-
-static const nqm_spec_schema *schema_of(const nqm_shading *shading) {
-    return &nqm_analytic_model_find(shading->model, strlen(shading->model))->schema;
+    const double ratio = fmax(0.02, 1 - scale_of(of_amount) * amount); /* the least of the node roughness_anisotropy */
+    return (lobe){alpha * mean_of_ratio(of_amount, ratio), ratio, azimuth};
 }
 
 /* Set a key to a value that is moved into its range. */
-static void set_number(nqm_shading *shading, const char *key, double v) {
-    const nqm_spec_schema *schema = schema_of(shading);
-    size_t k = 0;
-    while (strcmp(schema->keys[k].name, key) != 0)
-        ++k;
-    v = nqm_round_digits(fmin(fmax(v, schema->keys[k].low), schema->keys[k].high), 5);
-    nqm_shading_set(shading, key, 1, &v);
+static void set_number(nqm_values *to, size_t key, double v) {
+    const nqm_schema_key *k = &to->schema->keys[key];
+    v = nqm_round_digits(fmin(fmax(v, k->low), k->high), 5);
+    nqm_values_set(to, k->name, 1, &v);
 }
 
-/* Keys that the model needs, such as the index of a conductor: the fit finds their values. */
-static void set_required(nqm_shading *shading) {
-    const nqm_spec_schema *schema = schema_of(shading);
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        if (schema->keys[k].required && !nqm_shading_find(shading, schema->keys[k].name))
-            set_number(shading, schema->keys[k].name, 1);
-}
-
-static void write_lobe(nqm_shading *to, const anisotropy *a, lobe l) {
+static void write_lobe(nqm_values *to, const lobe_keys *keys, lobe l) {
     const double root = sqrt(l.ratio), across = l.mean * root;
-    if (!a->amount) {
-        const double wide = l.mean / root, x = cos(2 * l.turn) > 0 ? wide : across, y = wide * across / x;
-        const bool is_alpha = strcmp(a->roughness, "alpha") == 0;
-        nqm_shading_set(to, a->roughness, 2, is_alpha ? (double[]){x, y} : (double[]){x * x, y * y});
-        set_required(to);
+    const nqm_unit of_width = unit_of(keys, keys->width), of_amount = unit_of(keys, keys->amount);
+    if (!has_amount(keys)) {
+        const double wide = l.mean / root, x = cos(2 * l.azimuth) > 0 ? wide : across, y = wide * across / x;
+        nqm_values_set(
+            to, to->schema->keys[keys->width].name, 2,
+            (double[]){nqm_unit_convert(x, NQM_UNIT_ALPHA, of_width), nqm_unit_convert(y, NQM_UNIT_ALPHA, of_width)});
+        for (size_t k = 0; k < to->schema->n_keys; ++k) /* such as the index of a conductor: the fit finds it */
+            if (to->schema->keys[k].required && !(to->given >> k & 1))
+                set_number(to, k, 1);
         return;
     }
-    const bool is_gltf = a->scale == 0;
-    set_number(to, a->roughness, sqrt(is_gltf ? across : l.mean / open_pbr_mean(a, l.ratio)));
-    set_number(to, a->amount, is_gltf ? sqrt((l.mean / root - across) / (1 - across)) : (1 - l.ratio) / a->scale);
-    if (a->rotation)
-        set_number(to, a->rotation, l.turn / a->turn);
+    const bool is_strength = of_amount == NQM_UNIT_STRENGTH;
+    const double alpha = is_strength ? across : l.mean / mean_of_ratio(of_amount, l.ratio);
+    set_number(to, keys->width, nqm_unit_convert(alpha, NQM_UNIT_ALPHA, of_width));
+    set_number(to, keys->amount,
+               is_strength ? sqrt((l.mean / root - across) / (1 - across)) : (1 - l.ratio) / scale_of(of_amount));
+    if (has_azimuth(keys))
+        set_number(to, keys->azimuth, nqm_unit_convert(l.azimuth, NQM_UNIT_RADIANS, unit_of(keys, keys->azimuth)));
 }
 
 /* A lobe that a model cannot turn where it belongs is nearer to an isotropic one. */
-static void place_lobe(nqm_shading *to, const anisotropy *target, lobe l) {
-    const bool fits = target->rotation || fabs(cos(2 * l.turn)) > 0.5;
-    if (l.ratio < 1 && fits && (target->rotation || !target->amount || cos(2 * l.turn) > 0)) {
-        write_lobe(to, target, l);
+static void place_lobe(nqm_values *to, const lobe_keys *keys, lobe l) {
+    const bool fits = has_azimuth(keys) || fabs(cos(2 * l.azimuth)) > 0.5;
+    if (l.ratio < 1 && fits && (has_azimuth(keys) || !has_amount(keys) || cos(2 * l.azimuth) > 0)) {
+        write_lobe(to, keys, l);
         return;
     }
-    if (target->amount)
-        set_number(to, target->amount, 0);
-    if (target->rotation)
-        set_number(to, target->rotation, 0);
+    if (has_amount(keys))
+        set_number(to, keys->amount, 0);
+    if (has_azimuth(keys))
+        set_number(to, keys->azimuth, 0);
 }
 
-void nqm_fit_copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
-    const anisotropy *source = find_anisotropy(from->model), *target = find_anisotropy(to->model);
-    if (target)
-        place_lobe(to, target, source ? read_lobe(from, source) : (lobe){.ratio = 1});
+void nqm_fit_copy_anisotropy(const nqm_values *from, nqm_values *to) {
+    const lobe_keys source = keys_of(from->schema), target = keys_of(to->schema);
+    if (nqm_fit_can_be_anisotropic(to->schema, false))
+        place_lobe(to, &target,
+                   nqm_fit_can_be_anisotropic(from->schema, false) ? read_lobe(from, &source) : (lobe){.ratio = 1});
 }
 
-char *nqm_fit_measure_anisotropy(const nqm_brdf *ref, const char *model, bool is_turned) {
+char *nqm_fit_measure_anisotropy(const nqm_brdf *ref, const nqm_schema *schema, bool is_turned) {
     const double half = sqrt(sqrt(2) - 1); /* slope at which GGX of width 1 has fallen to a half */
-    const anisotropy *target = find_anisotropy(model);
-    if (!target || !(nqm_brdf_anisotropy(ref) > 0))
+    if (!nqm_fit_can_be_anisotropic(schema, false) || !(nqm_brdf_anisotropy(ref) > 0))
         return NULL;
+    const lobe_keys target = keys_of(schema);
     const nqm_lobe found = nqm_lobe_measure(ref);
     const double longer = hypot(found.axes[0], found.axes[2]);
-    const double turn = is_turned ? 0 : floor(atan2(found.axes[2], found.axes[0]) * 1e4 + 0.5) / 1e4;
-    nqm_shading to = {.n = 0};
-    snprintf(to.model, sizeof to.model, "%s", model);
-    place_lobe(&to, target, (lobe){found.width / half, 1 / (longer * longer), turn});
-    return to.n ? nqm_shading_spec(&to) : NULL;
+    const double azimuth = is_turned ? 0 : floor(atan2(found.axes[2], found.axes[0]) * 1e4 + 0.5) / 1e4;
+    nqm_values to = nqm_values_of(schema);
+    place_lobe(&to, &target, (lobe){found.width / half, 1 / (longer * longer), azimuth});
+    return to.given ? nqm_values_spec(&to) : NULL;
 }

@@ -85,9 +85,9 @@ static void turn_model(nqm_fit_run *run) {
  * lobe. A model that cannot turn its lobe is turned. */
 static nqm_status make_space(nqm_fit_run *run, const nqm_fit_entry *entry) {
     nqm_fit_options options = *run->options;
-    const char *model = entry->model->schema.model;
-    const bool is_measured = !options.start, turns = nqm_fit_can_be_anisotropic(model, true);
-    char *lobe = is_measured ? nqm_fit_measure_anisotropy(run->ref, model, !turns) : NULL;
+    const nqm_schema *schema = entry->model->schema;
+    const bool is_measured = !options.start, turns = nqm_fit_can_be_anisotropic(schema, true);
+    char *lobe = is_measured ? nqm_fit_measure_anisotropy(run->ref, schema, !turns) : NULL;
     if (lobe)
         options.start = lobe;
     nqm_status status = nqm_fit_space_make(entry, &options, &run->space, run->err);

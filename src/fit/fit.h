@@ -87,8 +87,6 @@ typedef struct nqm_fit_entry {
 
 /** By name. NQM_ERR_ARG lists the names. */
 NQM_MUST_CHECK nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret, nqm_error *err);
-/** Key of a name in the schema; n_keys: there is none. */
-size_t nqm_fit_key(const nqm_spec_schema *schema, const char *name);
 /** NULL: the entry has no shape with this key. */
 const nqm_fit_shape *nqm_fit_find_shape(const nqm_fit_entry *entry, const char *key);
 
@@ -109,15 +107,15 @@ typedef struct nqm_fit_parameter {
 typedef struct nqm_fit_space {
     const nqm_fit_entry *entry;
     const nqm_analytic_model *model;
-    double turn[2];           /* sine and cosine of the turn (nqm_turn3) into the axes of the model */
-    nqm_spec_values defaults; /* with the values of fixed keys */
-    size_t n;                 /* free parameters */
+    double turn[2];      /* sine and cosine of the turn (nqm_turn3) into the axes of the model */
+    nqm_values defaults; /* with the values of fixed keys */
+    size_t n;            /* free parameters */
     nqm_fit_parameter parameters[NQM_FIT_MAX_FREE];
 } nqm_fit_space;
 
 /** Values of a model and their loss. */
 typedef struct nqm_fit_point {
-    nqm_spec_values values;
+    nqm_values values;
     double loss;
     size_t start;
 } nqm_fit_point;
@@ -129,59 +127,49 @@ NQM_MUST_CHECK nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const n
 /** Free both values of keys with two, which are otherwise tied. Returns whether there are any. */
 bool nqm_fit_split(nqm_fit_space *space);
 /** The values of a spec, moved into the bounds. */
-NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_spec_values *values,
+NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_values *values,
                                             nqm_error *err);
 /** The spec with rounded values, of shading models without keys that have their default; the values become those of the spec.
  *  NQM_ERR_LIMIT: longer than `spec`. */
-NQM_MUST_CHECK nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *values, char *spec,
-                                             size_t n_spec, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_values *values, char *spec, size_t n_spec,
+                                             nqm_error *err);
 /** The coordinates of the free parameters: x, and their bounds low and high (space->n). */
-void nqm_fit_coordinates(const nqm_fit_space *space, const nqm_spec_values *values, double *x);
+void nqm_fit_coordinates(const nqm_fit_space *space, const nqm_values *values, double *x);
 void nqm_fit_bounds(const nqm_fit_space *space, double *low, double *high);
 /** The values at the coordinates x; keys that are not free are unchanged. */
-void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_spec_values *values);
+void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_values *values);
 /** Set the value of a free key within its bounds; a key that is fixed or not there (n_keys) is left alone. */
-void nqm_fit_set(const nqm_fit_space *space, nqm_spec_values *values, size_t key, const double v[3]);
+void nqm_fit_set(const nqm_fit_space *space, nqm_values *values, size_t key, const double v[3]);
 /** Fix a key at the value it has: its parameters leave the space. */
 void nqm_fit_fix(nqm_fit_space *space, size_t key);
 
 /** f_r in 1/sr: rgb (n, 3); zeros below the horizon. The model is turned by `turn` of the space. */
-void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
-                  const double *wo, double *rgb);
+void nqm_fit_eval(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
+                  double *rgb);
 /** columns (space->n, n, 3): derivatives of f_r by the coordinates; rgb (n, 3) is f_r of the values. */
-void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
-                    const double *wo, const double *rgb, double *columns);
+void nqm_fit_slopes(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
+                    const double *rgb, double *columns);
 
 /* ---- starts (keys.c: what keys of shading models mean; starts.c) -------------------------------------------------- */
 
 /** Bounds and scale of a key of a shading model, and the layer that it describes. */
-nqm_fit_parameter nqm_fit_describe(const nqm_spec_schema *schema, size_t key);
+nqm_fit_parameter nqm_fit_describe(const nqm_schema *schema, size_t key);
 /** The default of a key; of required keys, that of other models. */
-double nqm_fit_default(const nqm_spec_key *key);
-/** Whether fits keep the value of the start: whole numbers, anisotropy, thin films. */
-bool nqm_fit_is_kept(const nqm_spec_key *key);
-/** Whether a key is the amount of a layer over the base, 0 by default: a clear coat, sheen. */
-bool nqm_fit_is_layer(const nqm_spec_key *key);
-/** The keys that generic starts set in the base. */
-typedef enum nqm_fit_role { NQM_FIT_BASE_WIDTH, NQM_FIT_BASE_METAL, NQM_FIT_BASE_COLOR } nqm_fit_role;
-/** The first key with a role; n_keys: there is none. */
-size_t nqm_fit_base_key(const nqm_spec_schema *schema, nqm_fit_role role);
-/** The key with this ending ("roughness", "gloss") of the layer with the amount `layer`; n_keys: there is none. */
-size_t nqm_fit_layer_key(const nqm_spec_schema *schema, size_t layer, const char *ending);
-/** Width at which a layer starts: a mirror, which is the default of some, would have no effect at most directions. */
-double nqm_fit_layer_width(const nqm_spec_schema *schema, size_t layer);
+double nqm_fit_default(const nqm_schema_key *key);
+/** Whether fits keep the value of the start: whole numbers, anisotropy, thin films, what the index of refraction sets, too. */
+bool nqm_fit_is_kept(const nqm_schema_key *key);
 /** Replace *values by start i of an analytic model: n_widths lobe widths, spaced evenly in their logarithm, each with the
  *  starting points of the model; albedos are 0. Of a shading model: roughness, metal and base colour; other keys have their
  *  defaults. diffuse: (3) base colour of a dielectric; albedo: (3) that of a metal. false: there are only i. */
 bool nqm_fit_start(const nqm_fit_space *space, size_t i, size_t n_widths, const double *diffuse, const double *albedo,
-                   nqm_spec_values *values);
+                   nqm_values *values);
 /** The two colours of nqm_fit_start(): that of a Lambert BRDF with the median f_r of the target, and the albedo at
  *  normal incidence. */
 NQM_MUST_CHECK nqm_status nqm_fit_measure_albedos(const nqm_brdf *ref, const nqm_fit_target *target, double *diffuse,
                                                   double *albedo, nqm_error *err);
 /** Turn on layer i, such as a clear coat, with a typical width; rough: over a base three times as rough. false: there are only
  *  i. */
-bool nqm_fit_add_layer(const nqm_fit_space *space, size_t i, bool rough, nqm_spec_values *values);
+bool nqm_fit_add_layer(const nqm_fit_space *space, size_t i, bool rough, nqm_values *values);
 
 /* ---- least squares (squares.c) ------------------------------------------------------------------------------------ */
 
@@ -198,10 +186,10 @@ NQM_MUST_CHECK nqm_status nqm_fit_refine(const nqm_fit_space *space, const nqm_f
                                          nqm_ticker *ticker, nqm_fit_point *point, nqm_error *err);
 /** The approximate second derivatives (space->n, space->n) of the target's loss by the coordinates. */
 NQM_MUST_CHECK nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target,
-                                            const nqm_spec_values *values, double *curvature, nqm_error *err);
+                                            const nqm_values *values, double *curvature, nqm_error *err);
 /** The albedos kd, ks of an analytic model that are best for the shape in *values, by linear least squares (albedos.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_solve_albedos(const nqm_fit_space *space, const nqm_fit_target *target,
-                                                nqm_spec_values *values, nqm_error *err);
+                                                nqm_values *values, nqm_error *err);
 
 /* ---- sums of terms (objective.c) ---------------------------------------------------------------------------------- */
 
@@ -213,15 +201,15 @@ NQM_MUST_CHECK nqm_status nqm_fit_objective_make(const nqm_fit_space *space, con
                                                  nqm_fit_objective **objective_ret, nqm_error *err);
 void nqm_fit_objective_free(nqm_fit_objective *objective);
 /** The sum at these values. NQM_ERR_NUMERIC: a term is not finite. */
-NQM_MUST_CHECK nqm_status nqm_fit_objective_value(nqm_fit_objective *objective, const nqm_spec_values *values,
-                                                  double *value, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_fit_objective_value(nqm_fit_objective *objective, const nqm_values *values, double *value,
+                                                  nqm_error *err);
 /** The gradient (space->n) by the coordinates at the values of the last nqm_fit_objective_value(). */
 NQM_MUST_CHECK nqm_status nqm_fit_objective_gradient(nqm_fit_objective *objective, const nqm_fit_space *space,
-                                                     const nqm_spec_values *values, double *gradient, nqm_error *err);
+                                                     const nqm_values *values, double *gradient, nqm_error *err);
 /** Approximate second derivatives (space->n, space->n) at the values of the last evaluation; visual terms count like the
  *  others in proportion. Positive definite. */
 NQM_MUST_CHECK nqm_status nqm_fit_objective_curvature(const nqm_fit_objective *objective, const nqm_fit_space *space,
-                                                      const nqm_spec_values *values, double *curvature, nqm_error *err);
+                                                      const nqm_values *values, double *curvature, nqm_error *err);
 /** Round the kinks of mean absolute losses over `fraction` of their last value (0: not). false: there are none. */
 bool nqm_fit_objective_round(nqm_fit_objective *objective, double fraction);
 /** The sum for a black surface. */
@@ -260,7 +248,7 @@ NQM_MUST_CHECK nqm_status nqm_fit_search(nqm_fit_run *run, nqm_fit_point *points
 /** Random values: shapes uniform in the scale of the search, the albedos that are best for them times factors log-uniform
  *  in [1/20, 20]. Analytic models. */
 NQM_MUST_CHECK nqm_status nqm_fit_random(const nqm_fit_space *space, const nqm_fit_target *target, nqm_rng *rng,
-                                         nqm_spec_values *values, nqm_error *err);
+                                         nqm_values *values, nqm_error *err);
 /** Of a shading model, set keys to their defaults where that raises the objective by at most `simplify` of the options (0: not
  *  done) times its value plus a twentieth of that of a black surface, in total; then minimise it over the others. */
 NQM_MUST_CHECK nqm_status nqm_fit_simplify(nqm_fit_run *run, nqm_fit_point *point);

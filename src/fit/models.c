@@ -88,8 +88,8 @@ static const nqm_fit_entry entries[] = {
 /* clang-format on */
 enum { N_ENTRIES = sizeof entries / sizeof *entries };
 
-#define SHADING_ENTRY(NAME) {.model = &(NAME)},
-static const nqm_fit_entry shadings[] = {NQM_SHADING_MODELS(SHADING_ENTRY){.name = NULL}};
+#define SHADING_ENTRY(NAME, ...) {.model = &nqm_##NAME##_model},
+static const nqm_fit_entry shadings[] = {NQM_SHADING_SCHEMAS(SHADING_ENTRY){.name = NULL}};
 enum { N_SHADINGS = sizeof shadings / sizeof *shadings - 1 };
 
 const char *nqm_fit_model(size_t i) {
@@ -97,7 +97,7 @@ const char *nqm_fit_model(size_t i) {
 }
 
 const char *nqm_fit_shading(size_t i) {
-    return i < N_SHADINGS ? shadings[i].model->schema.model : NULL;
+    return i < N_SHADINGS ? shadings[i].model->schema->model : NULL;
 }
 
 static const nqm_fit_entry *entry_at(size_t i) {
@@ -109,7 +109,7 @@ nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret,
     size_t used = 0;
     for (size_t i = 0; i < N_ENTRIES + N_SHADINGS; ++i) {
         const nqm_fit_entry *entry = entry_at(i);
-        const char *known = entry->name ? entry->name : entry->model->schema.model;
+        const char *known = entry->name ? entry->name : entry->model->schema->model;
         if (strcmp(known, name) == 0) {
             *entry_ret = entry;
             return NQM_OK;
@@ -118,13 +118,6 @@ nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret,
             used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", known);
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "cannot fit a model '%.40s'; these can be fitted: %s", name, names);
-}
-
-size_t nqm_fit_key(const nqm_spec_schema *schema, const char *name) {
-    size_t k = 0;
-    while (k < schema->n_keys && strcmp(schema->keys[k].name, name) != 0)
-        ++k;
-    return k;
 }
 
 const nqm_fit_shape *nqm_fit_find_shape(const nqm_fit_entry *entry, const char *key) {
@@ -141,5 +134,5 @@ int nqm_fit_model_has(const char *name, const char *key) {
         return 0;
     if (entry->n_shape)
         return nqm_fit_find_shape(entry, key) != NULL;
-    return nqm_fit_key(&entry->model->schema, key) < entry->model->schema.n_keys;
+    return nqm_schema_key_named(entry->model->schema, key, strlen(key)) < entry->model->schema->n_keys;
 }

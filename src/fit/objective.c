@@ -69,7 +69,7 @@ static double evaluate(part *p) {
     return p->term.weight * p->value;
 }
 
-nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_spec_values *values, double *value, nqm_error *err) {
+nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_values *values, double *value, nqm_error *err) {
     double sum = 0;
     for (size_t i = 0; i < o->n; ++i) {
         part *p = &o->parts[i];
@@ -77,7 +77,7 @@ nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_spec_values *
         sum += evaluate(p);
         if (!isfinite(sum))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of the %s fit is not finite",
-                            o->space->model->schema.model);
+                            o->space->model->schema->model);
     }
     *value = sum;
     return NQM_OK;
@@ -92,7 +92,7 @@ nqm_status nqm_fit_objective_black(nqm_fit_objective *o, double *value, nqm_erro
     return isfinite(*value) ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of a black surface is not finite");
 }
 
-nqm_status nqm_fit_objective_gradient(nqm_fit_objective *o, const nqm_fit_space *space, const nqm_spec_values *values,
+nqm_status nqm_fit_objective_gradient(nqm_fit_objective *o, const nqm_fit_space *space, const nqm_values *values,
                                       double *gradient, nqm_error *err) {
     memset(gradient, 0, space->n * sizeof *gradient);
     for (size_t i = 0; i < o->n; ++i) {
@@ -109,8 +109,8 @@ nqm_status nqm_fit_objective_gradient(nqm_fit_objective *o, const nqm_fit_space 
     return NQM_OK;
 }
 
-nqm_status nqm_fit_objective_curvature(const nqm_fit_objective *o, const nqm_fit_space *space,
-                                       const nqm_spec_values *values, double *curvature, nqm_error *err) {
+nqm_status nqm_fit_objective_curvature(const nqm_fit_objective *o, const nqm_fit_space *space, const nqm_values *values,
+                                       double *curvature, nqm_error *err) {
     const size_t n = space->n;
     double between_values = 0, all = 0;
     double *one = nqm_alloc(n * n, sizeof *one);

@@ -140,22 +140,22 @@ nqm_status nqm_fit_search(nqm_fit_run *run, nqm_fit_point *points, size_t *n) {
 /* ---- random values ------------------------------------------------------------------------------------------------ */
 
 /* Albedos times random factors in [1/20, 20]. */
-static void scatter_albedos(const nqm_fit_space *space, nqm_rng *rng, const char *name, nqm_spec_values *values) {
-    const size_t key = nqm_fit_key(&space->model->schema, name);
+static void scatter_albedos(const nqm_fit_space *space, nqm_rng *rng, const char *name, nqm_values *values) {
+    const size_t key = nqm_schema_key_named(space->model->schema, name, strlen(name));
     double albedo[3];
     for (size_t c = 0; c < 3; ++c)
         albedo[c] = fmax(values->v[key][c], 1e-3) * pow(20, 2 * nqm_rng_uniform(rng) - 1);
     nqm_fit_set(space, values, key, albedo);
 }
 
-nqm_status nqm_fit_random(const nqm_fit_space *space, const nqm_fit_target *target, nqm_rng *rng,
-                          nqm_spec_values *values, nqm_error *err) {
+nqm_status nqm_fit_random(const nqm_fit_space *space, const nqm_fit_target *target, nqm_rng *rng, nqm_values *values,
+                          nqm_error *err) {
     double x[NQM_FIT_MAX_FREE], low[NQM_FIT_MAX_FREE], high[NQM_FIT_MAX_FREE];
     *values = space->defaults;
     nqm_fit_coordinates(space, values, x);
     nqm_fit_bounds(space, low, high);
     for (size_t i = 0; i < space->n; ++i)
-        if (nqm_fit_find_shape(space->entry, space->model->schema.keys[space->parameters[i].key].name))
+        if (nqm_fit_find_shape(space->entry, space->model->schema->keys[space->parameters[i].key].name))
             x[i] = low[i] + (high[i] - low[i]) * nqm_rng_uniform(rng);
     nqm_fit_values(space, x, values);
     nqm_status status = nqm_fit_solve_albedos(space, target, values, err);

@@ -16,7 +16,7 @@ typedef struct simplification {
     nqm_error *err;
 } simplification;
 
-static bool has_value(const nqm_spec_values *values, size_t key, double v) {
+static bool has_value(const nqm_values *values, size_t key, double v) {
     return values->v[key][0] == v && values->v[key][1] == v && values->v[key][2] == v;
 }
 
@@ -57,16 +57,17 @@ static nqm_status try_value(simplification *s, size_t key, double v) {
 /* Metals become 0 or 1; then defaults: of layers first, and of the last keys of the schema, which are extensions, before
  * others. */
 static nqm_status try_all(simplification *s) {
-    const nqm_spec_schema *schema = &s->space.model->schema;
+    const nqm_schema *schema = s->space.model->schema;
     nqm_status status = NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < schema->n_keys; ++k)
-        if (strstr(schema->keys[k].name, "metal"))
+        if (schema->keys[k].role == NQM_ROLE_METAL)
             status = try_value(s, k, round(s->point->values.v[k][0]));
     for (size_t i = 2 * schema->n_keys; status == NQM_OK && i-- > 0;) {
         const size_t k = i % schema->n_keys;
-        const nqm_spec_key *key = &schema->keys[k];
+        const nqm_schema_key *key = &schema->keys[k];
         const bool is_first = i >= schema->n_keys;
-        if (is_first == nqm_fit_is_layer(key) && !key->required && !has_value(&s->point->values, k, key->fallback))
+        if (is_first == nqm_schema_is_layer(schema, k) && !key->required &&
+            !has_value(&s->point->values, k, key->fallback))
             status = try_value(s, k, key->fallback);
     }
     return status;

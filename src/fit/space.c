@@ -28,10 +28,10 @@ static nqm_fit_parameter describe_shape(const nqm_fit_shape *shape, size_t key) 
 
 /* low = high: the key is not free. */
 static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
-    const nqm_spec_key *key = &entry->model->schema.keys[k];
+    const nqm_schema_key *key = &entry->model->schema->keys[k];
     const nqm_fit_shape *shape = nqm_fit_find_shape(entry, key->name);
     if (!entry->n_shape)
-        return nqm_fit_describe(&entry->model->schema, k);
+        return nqm_fit_describe(entry->model->schema, k);
     if (shape)
         return describe_shape(shape, k);
     nqm_fit_parameter p = {.key = k, .layer = k, .low = key->low, .high = key->high, .units = 1, .is_log = true};
@@ -43,7 +43,7 @@ static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
 
 /* ratio: of the second value of a key with two to the first. */
 static void add_key(nqm_fit_space *space, size_t k, double ratio) {
-    const nqm_spec_key *key = &space->model->schema.keys[k];
+    const nqm_schema_key *key = &space->model->schema->keys[k];
     nqm_fit_parameter p = describe(space->entry, k);
     if (nqm_fit_is_kept(key) || !(p.low < p.high))
         return;
@@ -70,7 +70,7 @@ bool nqm_fit_split(nqm_fit_space *space) {
     bool is_split = false;
     for (size_t i = 0; i < space->n && space->n < NQM_FIT_MAX_FREE; ++i) {
         nqm_fit_parameter *p = &space->parameters[i];
-        if (space->model->schema.keys[p->key].n != 2 || p->channel != NQM_FIT_ALL_CHANNELS)
+        if (space->model->schema->keys[p->key].n != 2 || p->channel != NQM_FIT_ALL_CHANNELS)
             continue;
         p->ratio = 1;
         memmove(p + 1, p, (space->n++ - i) * sizeof *p);
@@ -82,9 +82,9 @@ bool nqm_fit_split(nqm_fit_space *space) {
 }
 
 static nqm_status apply_bound(nqm_fit_space *space, const nqm_fit_bound *bound, nqm_error *err) {
-    const nqm_spec_schema *schema = &space->model->schema;
+    const nqm_schema *schema = space->model->schema;
     const nqm_fit_shape *shape = nqm_fit_find_shape(space->entry, bound->key);
-    const size_t k = nqm_fit_key(schema, bound->key);
+    const size_t k = nqm_schema_key_named(schema, bound->key, strlen(bound->key));
     if (k == schema->n_keys || (space->entry->n_shape && !shape))
         return nqm_fail(err, NQM_ERR_ARG, -1, "the %s fit has no bounds for '%.40s'", schema->model, bound->key);
     const double low = shape ? shape->low : schema->keys[k].low, high = shape ? shape->high : schema->keys[k].high;
@@ -103,18 +103,19 @@ static nqm_status apply_bound(nqm_fit_space *space, const nqm_fit_bound *bound, 
     return NQM_OK;
 }
 
-static nqm_status parse(const nqm_analytic_model *model, const char *spec, nqm_spec_values *values, nqm_error *err) {
-    const size_t n = strlen(model->schema.model);
-    if (strncmp(spec, model->schema.model, n) != 0 || spec[n] != ':')
-        return nqm_fail(err, NQM_ERR_ARG, -1, "a %s fit cannot start from '%.80s'", model->schema.model, spec);
-    return nqm_spec_parse(&model->schema, spec + n + 1, values, err);
+static nqm_status parse(const nqm_analytic_model *model, const char *spec, nqm_values *values, nqm_error *err) {
+    const size_t n = strlen(model->schema->model);
+    if (strncmp(spec, model->schema->model, n) != 0 || spec[n] != ':')
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a %s fit cannot start from '%.80s'", model->schema->model, spec);
+    return nqm_values_parse(model->schema, spec + n + 1, values, err);
 }
 
 nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options *options, nqm_fit_space *space,
                               nqm_error *err) {
-    const nqm_spec_schema *schema = &entry->model->schema;
-    nqm_spec_values start;
-    *space = (nqm_fit_space){.entry = entry, .model = entry->model, .turn = {0, 1}, .defaults = {.given = UINT64_MAX}};
+    const nqm_schema *schema = entry->model->schema;
+    nqm_values start;
+    *space = (nqm_fit_space){.entry = entry, .model = entry->model, .turn = {0, 1}, .defaults = nqm_values_of(schema)};
+    space->defaults.given = UINT64_MAX;
     nqm_status status = options->start ? parse(entry->model, options->start, &start, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < schema->n_keys; ++k) {
         for (size_t c = 0; c < 3; ++c)
@@ -144,11 +145,11 @@ static size_t channel_of(const nqm_fit_parameter *p) {
 }
 
 /* The derivative of the value by its coordinate. */
-static double slope_of(const nqm_fit_parameter *p, const nqm_spec_values *values) {
+static double slope_of(const nqm_fit_parameter *p, const nqm_values *values) {
     return (p->is_log ? values->v[p->key][channel_of(p)] - p->zero : 1) / p->units;
 }
 
-void nqm_fit_coordinates(const nqm_fit_space *space, const nqm_spec_values *values, double *x) {
+void nqm_fit_coordinates(const nqm_fit_space *space, const nqm_values *values, double *x) {
     for (size_t i = 0; i < space->n; ++i) {
         const nqm_fit_parameter *p = &space->parameters[i];
         x[i] = to_coordinate(p, values->v[p->key][channel_of(p)]);
@@ -162,14 +163,14 @@ void nqm_fit_bounds(const nqm_fit_space *space, double *low, double *high) {
     }
 }
 
-static void set_value(const nqm_fit_space *space, nqm_spec_values *values, const nqm_fit_parameter *p, double v) {
-    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n == 1;
+static void set_value(const nqm_fit_space *space, nqm_values *values, const nqm_fit_parameter *p, double v) {
+    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema->keys[p->key].n == 1;
     for (size_t c = 0; c < 3; ++c)
         if (all || c == p->channel)
             values->v[p->key][c] = c && p->ratio != 1 ? clamp(v * p->ratio, p->low, p->high) : v;
 }
 
-void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_spec_values *values) {
+void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_values *values) {
     for (size_t i = 0; i < space->n; ++i) {
         const nqm_fit_parameter *p = &space->parameters[i];
         const double v = to_value(p, x[i]);
@@ -177,7 +178,7 @@ void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_spec_values
     }
 }
 
-void nqm_fit_set(const nqm_fit_space *space, nqm_spec_values *values, size_t key, const double v[3]) {
+void nqm_fit_set(const nqm_fit_space *space, nqm_values *values, size_t key, const double v[3]) {
     for (size_t i = 0; i < space->n; ++i) {
         const nqm_fit_parameter *p = &space->parameters[i];
         if (p->key == key)
@@ -187,18 +188,18 @@ void nqm_fit_set(const nqm_fit_space *space, nqm_spec_values *values, size_t key
 
 /* ---- specs -------------------------------------------------------------------------------------------------------- */
 
-nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_spec_values *values, nqm_error *err) {
-    nqm_spec_values parsed;
+nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_values *values, nqm_error *err) {
+    nqm_values parsed;
     nqm_status status = parse(space->model, spec, &parsed, err);
     if (status != NQM_OK)
         return status;
     *values = space->defaults;
-    for (size_t k = 0; k < space->model->schema.n_keys; ++k)
+    for (size_t k = 0; k < space->model->schema->n_keys; ++k)
         nqm_fit_set(space, values, k, parsed.v[k]);
     return NQM_OK;
 }
 
-static bool is_default(const nqm_spec_key *key, const double v[3]) {
+static bool is_default(const nqm_schema_key *key, const double v[3]) {
     return !key->required && v[0] == key->fallback && v[1] == key->fallback && v[2] == key->fallback;
 }
 
@@ -208,11 +209,11 @@ static double round_value(const nqm_fit_parameter *p, double v, int n_digits) {
     return clamp(v, p->low, p->high);
 }
 
-nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *values, char *spec, size_t n_spec,
+nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_values *values, char *spec, size_t n_spec,
                               nqm_error *err) {
     const bool is_shading = space->entry->n_shape == 0;
-    const nqm_spec_schema *schema = &space->model->schema;
-    nqm_spec_values shown = *values;
+    const nqm_schema *schema = space->model->schema;
+    nqm_values shown = *values;
     shown.given = 0;
     for (size_t i = 0; i < space->n; ++i) {
         const nqm_fit_parameter *p = &space->parameters[i];
@@ -229,7 +230,7 @@ nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *value
             shown.given |= UINT64_C(1) << k;
     if (!shown.given)
         shown.given = 1; /* a spec has at least one key */
-    char *text = nqm_spec_format(schema, &shown);
+    char *text = nqm_values_spec(&shown);
     if (!text)
         return nqm_fail_nomem(err, n_spec);
     const size_t n = strlen(text);
@@ -244,7 +245,7 @@ nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *value
 /* ---- evaluation --------------------------------------------------------------------------------------------------- */
 
 /* Prepare the state of a model; it is read through max_align_t. */
-static void prepare(const nqm_fit_space *space, const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_fit_space *space, const nqm_values *values, void *state) {
     *(nqm_spec_state *)state = (nqm_spec_state){space->model, *values}; /* models in closed form overwrite it */
     space->model->prepare(values, state);
 }
@@ -268,8 +269,8 @@ static const double *in_axes(const nqm_fit_space *space, size_t n, const double 
     return turned;
 }
 
-void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
-                  const double *wo, double *rgb) {
+void nqm_fit_eval(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
+                  double *rgb) {
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];
     double turned[2][CHUNK * 3];
     prepare(space, values, state);
@@ -286,13 +287,13 @@ void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, siz
 }
 
 /* Whether a parameter is of a layer that is off: nqm_fit_add_layer() turns layers on, no step does. */
-static bool is_idle(const nqm_fit_space *space, const nqm_fit_parameter *p, const nqm_spec_values *values) {
+static bool is_idle(const nqm_fit_space *space, const nqm_fit_parameter *p, const nqm_values *values) {
     const double *amount = values->v[p->layer];
-    return nqm_fit_is_layer(&space->model->schema.keys[p->layer]) && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
+    return nqm_schema_is_layer(space->model->schema, p->layer) && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
 }
 
 /* The values with parameter k one step further, or one step back at its upper end. Returns the step; 0 for an idle parameter. */
-static double step_values(const nqm_fit_space *space, size_t k, const nqm_spec_values *values, nqm_spec_values *near) {
+static double step_values(const nqm_fit_space *space, size_t k, const nqm_values *values, nqm_values *near) {
     const nqm_fit_parameter *p = &space->parameters[k];
     const double step = 1e-5, x = to_coordinate(p, values->v[p->key][channel_of(p)]);
     const double h = x + step > to_coordinate(p, p->high) ? -step : step;
@@ -304,7 +305,7 @@ static double step_values(const nqm_fit_space *space, size_t k, const nqm_spec_v
 }
 
 /* Index of the first value of each key among the columns of a Jacobian; returns their number. */
-static size_t index_columns(const nqm_spec_schema *schema, size_t *first) {
+static size_t index_columns(const nqm_schema *schema, size_t *first) {
     size_t n = 0;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         first[k] = n;
@@ -314,13 +315,13 @@ static size_t index_columns(const nqm_spec_schema *schema, size_t *first) {
 }
 
 /* The columns of `count` pairs from pair `at` of n by their Jacobian (count, 3, n_columns). */
-static void chain(const nqm_fit_space *space, const nqm_spec_values *values, const double *jacobian, size_t at,
-                  size_t count, size_t n, double *columns) {
-    size_t first[NQM_SPEC_MAX_KEYS];
-    const size_t n_columns = index_columns(&space->model->schema, first);
+static void chain(const nqm_fit_space *space, const nqm_values *values, const double *jacobian, size_t at, size_t count,
+                  size_t n, double *columns) {
+    size_t first[NQM_SCHEMA_MAX_KEYS];
+    const size_t n_columns = index_columns(space->model->schema, first);
     for (size_t k = 0; k < space->n; ++k) {
         const nqm_fit_parameter *p = &space->parameters[k];
-        const size_t n_channels = p->channel == NQM_FIT_ALL_CHANNELS ? space->model->schema.keys[p->key].n : 1;
+        const size_t n_channels = p->channel == NQM_FIT_ALL_CHANNELS ? space->model->schema->keys[p->key].n : 1;
         const double slope = slope_of(p, values), *from = jacobian + first[p->key] + channel_of(p);
         double *column = columns + 3 * (k * n + at);
         for (size_t i = 0; i < 3 * count; ++i) {
@@ -333,10 +334,10 @@ static void chain(const nqm_fit_space *space, const nqm_spec_values *values, con
 }
 
 /* The columns by differences, which need fewer evaluations than nqm_spec_jacobian(), and of idle parameters none. */
-static void difference(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
+static void difference(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi,
                        const double *wo, const double *rgb, double *columns) {
     for (size_t k = 0; k < space->n; ++k, columns += 3 * n) {
-        nqm_spec_values near;
+        nqm_values near;
         const double h = step_values(space, k, values, &near);
         if (h == 0) {
             memset(columns, 0, 3 * n * sizeof *columns);
@@ -348,8 +349,8 @@ static void difference(const nqm_fit_space *space, const nqm_spec_values *values
     }
 }
 
-void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
-                    const double *wo, const double *rgb, double *columns) {
+void nqm_fit_slopes(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
+                    const double *rgb, double *columns) {
     enum { MAX_COLUMNS = 16 };
     if (space->model->class_.jacobian == nqm_spec_jacobian) {
         difference(space, values, n, wi, wo, rgb, columns);

@@ -64,7 +64,7 @@ static nqm_status alloc_squares(const nqm_fit_space *space, const nqm_fit_target
 }
 
 /* f_r of the values with the coordinates x. */
-static void eval_at(const squares *s, const double *x, nqm_spec_values *values, double *rgb) {
+static void eval_at(const squares *s, const double *x, nqm_values *values, double *rgb) {
     nqm_fit_values(s->space, x, values);
     nqm_fit_eval(s->space, values, s->target->n, s->target->wi, s->target->wo, rgb);
 }
@@ -82,7 +82,7 @@ static void linearise(squares *s) {
         s->weight[i] = nqm_fit_losses[t->loss].power == 2 ? 1 : 1 / hypot(s->residual[i], rounding);
 }
 
-static void differentiate(squares *s, const nqm_spec_values *values) {
+static void differentiate(squares *s, const nqm_values *values) {
     const nqm_fit_target *t = s->target;
     nqm_fit_slopes(s->space, values, t->n, t->wi, t->wo, s->rgb, s->columns);
     for (size_t i = 0; i < s->m; ++i) {
@@ -114,14 +114,14 @@ static void form_normal(squares *s) {
 }
 
 /* Evaluate at the point and form the equations. */
-static void begin(squares *s, const nqm_spec_values *values) {
-    nqm_spec_values at = *values;
+static void begin(squares *s, const nqm_values *values) {
+    nqm_values at = *values;
     nqm_fit_coordinates(s->space, values, s->x);
     nqm_fit_bounds(s->space, s->low, s->high);
     eval_at(s, s->x, &at, s->rgb);
 }
 
-nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target, const nqm_spec_values *values,
+nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target, const nqm_values *values,
                              double *curvature, nqm_error *err) {
     squares s;
     nqm_status status = alloc_squares(space, target, &s, err);
@@ -143,7 +143,7 @@ static bool improve(squares *s, double *damping, nqm_fit_point *point) {
     enum { MAX_TRIES = 10 };
     const double longest = 2; /* per coordinate */
     for (int i = 0; i < MAX_TRIES; ++i) {
-        nqm_spec_values values = point->values;
+        nqm_values values = point->values;
         nqm_fit_solve(s->space->n, s->normal, s->fixed, s->gradient, *damping, s->factor, s->step);
         for (size_t k = 0; k < s->space->n; ++k)
             s->next[k] = fmin(fmax(s->x[k] + fmin(fmax(s->step[k], -longest), longest), s->low[k]), s->high[k]);

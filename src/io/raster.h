@@ -36,6 +36,10 @@ NQM_MUST_CHECK nqm_status nqm_raster_size(const unsigned char *data, size_t n_by
  *  once (set NULL), or when the set is committed. */
 NQM_MUST_CHECK nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb,
                                                nqm_outset *set, nqm_error *err);
+/** A value from 0 to 1 as a byte. */
+static inline unsigned char nqm_unit_byte(double v) {
+    return (unsigned char)((v > 0 ? v < 1 ? v : 1 : 0) * 255 + 0.5);
+}
 /** Free the pixels; a zeroed raster is allowed. */
 void nqm_raster_clear(nqm_raster *raster);
 

@@ -9,7 +9,7 @@
 
 /* A material that has values or maps. */
 typedef struct look {
-    nqm_shading shading;
+    nqm_values values;
     nqm_library_maps found;
     const nqm_textured *maps; /* NULL: none */
 } look;
@@ -26,11 +26,11 @@ typedef struct comparison {
 static bool open_look(comparison *c, nqm_pairs_files *files, const char *argument, look *to) {
     nqm_material_info info = {.spec = NULL};
     if (nqm_pairs_find_material(files, argument, &info) && info.spec)
-        return nqm_shading_parse(info.spec, &to->shading, NULL) == NQM_OK;
+        return nqm_values_parse_spec(info.spec, &to->values, NULL) == NQM_OK;
     c->is_short = nqm_library_find_maps(argument, &to->found, NULL) == NQM_ERR_NOMEM || c->is_short;
     to->maps = to->found.maps;
     if (to->maps)
-        to->shading = to->maps->shading;
+        to->values = to->maps->values;
     return to->maps != NULL;
 }
 
@@ -127,13 +127,15 @@ static uint16_t node_of(const look *of, const char *key) {
 
 static nqm_library_value value_of(comparison *c, const look *of, const char *key) {
     const uint16_t node = node_of(of, key);
-    const nqm_property *p = nqm_shading_find(&of->shading, key);
+    const double *v = nqm_values_given(&of->values, key);
     nqm_library_value value = {.text = NULL};
     if (node != NQM_NO_NODE) {
         value.text = map_text(c, of, node, false);
-    } else if (p) {
-        value.n = p->n;
-        memcpy(value.v, p->v, p->n * sizeof *p->v);
+    } else if (v) {
+        value.n = v[0] == v[1] && v[1] == v[2]
+                      ? 1
+                      : of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n;
+        memcpy(value.v, v, value.n * sizeof *v);
     }
     return value;
 }
@@ -141,11 +143,11 @@ static nqm_library_value value_of(comparison *c, const look *of, const char *key
 static bool is_same(comparison *c, const char *key) {
     const look *before = &c->before, *after = &c->after;
     const uint16_t nodes[2] = {node_of(before, key), node_of(after, key)};
-    const nqm_property *p = nqm_shading_find(&before->shading, key), *q = nqm_shading_find(&after->shading, key);
+    const double *p = nqm_values_given(&before->values, key), *q = nqm_values_given(&after->values, key);
     if ((nodes[0] == NQM_NO_NODE) != (nodes[1] == NQM_NO_NODE))
         return false;
     if (nodes[0] == NQM_NO_NODE)
-        return p && q ? memcmp(p->v, q->v, sizeof p->v) == 0 : p == q; /* values after the last repeat it */
+        return p && q ? memcmp(p, q, 3 * sizeof *p) == 0 : p == q; /* values after the last repeat it */
     char *texts[2] = {map_text(c, before, nodes[0], true), map_text(c, after, nodes[1], true)};
     const bool is = texts[0] && texts[1] && strcmp(texts[0], texts[1]) == 0;
     nqm_free(texts[0]);
@@ -183,8 +185,9 @@ static void compare_key(comparison *c, const char *key) {
 }
 
 static void compare_keys(comparison *c, const look *keys) {
-    for (size_t k = 0; k < keys->shading.n; ++k)
-        compare_key(c, keys->shading.properties[k].key);
+    for (size_t k = 0; k < keys->values.schema->n_keys; ++k)
+        if (keys->values.given >> k & 1)
+            compare_key(c, keys->values.schema->keys[k].name);
     for (size_t k = 0; keys->maps && k < keys->maps->n_outputs; ++k)
         compare_key(c, keys->maps->outputs[k].key);
     if (keys->maps)
@@ -197,10 +200,10 @@ nqm_status nqm_library_compare(nqm_pairs_files *files, nqm_library_pair *pair, n
         return nqm_fail_nomem(err, sizeof *c);
     const bool is_known =
         open_look(c, files, pair->names.ref, &c->before) && open_look(c, files, pair->names.test, &c->after);
-    const char *models[2] = {c->before.shading.model, c->after.shading.model};
-    if (is_known && strcmp(models[0], models[1]) != 0) {
-        add_change(c, "model", (nqm_library_value){.text = nqm_strdup(models[0])},
-                   (nqm_library_value){.text = nqm_strdup(models[1])});
+    const nqm_schema *before = c->before.values.schema, *after = c->after.values.schema;
+    if (is_known && before != after) {
+        add_change(c, "model", (nqm_library_value){.text = nqm_strdup(before->model)},
+                   (nqm_library_value){.text = nqm_strdup(after->model)});
     } else if (is_known) {
         compare_keys(c, &c->before);
         compare_keys(c, &c->after);

@@ -27,7 +27,7 @@ static nqm_status make_specs(const nqm_texture *texture, char *specs[N_TEXELS], 
     if (rows)
         nqm_texture_evaluate(texture, N_TEXELS, u, v, rows);
     for (size_t i = 0; rows && i < N_TEXELS; ++i) {
-        specs[i] = nqm_texture_spec(texture, rows, i, NULL);
+        specs[i] = nqm_texture_spec(texture, rows, i);
         is_complete = is_complete && specs[i];
     }
     nqm_free(rows);

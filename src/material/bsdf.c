@@ -219,7 +219,7 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
                           "%s: it is not finite, its textures need more than %d operations, or memory is short", key,
                           NQM_MAX_MAP_NODES);
     if (nqm_graph_is_constant(t, value))
-        nqm_shading_set(&r->reading.shading, key, t->nodes[value].n, t->nodes[value].v);
+        nqm_values_set(&r->reading.values, key, t->nodes[value].n, t->nodes[value].v);
     else if (!is_normal)
         nqm_graph_output_set(t, key, value);
     return true;
@@ -262,7 +262,8 @@ bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const ch
         return nqm_refuse(reading, bsdf, "%s", p->refusal);
     reading->rules = p->rules;
     reading->owner = p->type;
-    snprintf(reading->shading.model, sizeof reading->shading.model, "%s", p->model ? p->model : "");
+    if (p->model)
+        reading->values = nqm_values_of(nqm_schema_find(p->model, strlen(p->model)));
     while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
         if (!nqm_rules_apply(reading, property->name, property))
             return false;

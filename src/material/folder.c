@@ -6,6 +6,7 @@
  */
 #include "material/materialx.h"
 
+#include "schema/models.h"
 #include <ctype.h>
 #include <dirent.h>
 #include <stdlib.h>
@@ -17,7 +18,7 @@ static const char LIST_PREFIX[] = "maps:";
 
 /* The inputs of the model of the material; those with a key are its keys. */
 static const nqm_rule *inputs_of(const nqm_textured *t) {
-    return nqm_mtlx_find_surface(NULL, t->shading.model)->inputs;
+    return nqm_mtlx_find_surface(NULL, t->values.schema->model)->inputs;
 }
 
 /* NULL: there is no such key. */
@@ -81,7 +82,7 @@ static size_t read_channel(char *text, bool is_normal) {
 
 /* key NULL: the normal */
 static bool is_given(const nqm_textured *t, const nqm_rule *key) {
-    bool is = key ? nqm_shading_find(&t->shading, key->key) != NULL : t->normal != NQM_NO_NODE;
+    bool is = key ? nqm_values_given(&t->values, key->key) != NULL : t->normal != NQM_NO_NODE;
     for (size_t i = 0; key && i < t->n_outputs; ++i)
         is = is || strcmp(t->outputs[i].key, key->key) == 0;
     return is;
@@ -95,7 +96,7 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
     const bool is_normal = strcmp(entry, "normal") == 0;
     const nqm_rule *key = is_normal ? NULL : find_key(t, entry);
     double v[3];
-    if (strcmp(entry, "model") == 0 && strcmp(value, t->shading.model) == 0)
+    if (strcmp(entry, "model") == 0 && strcmp(value, t->values.schema->model) == 0)
         return NQM_OK; /* read before the others */
     if (strcmp(entry, "model") == 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%smodel is given twice", LIST_PREFIX);
@@ -110,20 +111,22 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
                         : key->n == 1 ? " or a number"
                                       : ", a number or three of them");
     if (n)
-        nqm_shading_set(&t->shading, entry, n, v);
+        nqm_values_set(&t->values, entry, n, v);
     const size_t channel = read_channel(value, is_normal);
     return n ? NQM_OK : add_map(t, key, "", value, channel, AS_IS, err);
 }
 
 static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *err) {
     const char *at = strncmp(list, "model=", 6) == 0 ? list - 1 : strstr(list, ";model="), *name = at ? at + 7 : "gltf";
-    snprintf(t->shading.model, sizeof t->shading.model, "%.*s", (int)strcspn(name, ";"), name);
-    if (nqm_mtlx_find_surface(NULL, t->shading.model))
-        return NQM_OK;
-    return nqm_fail(
-        err, NQM_ERR_ARG, -1,
-        "%smodel=%s: no such model; maps are read for gltf, open-pbr, standard-surface, usd-preview and disney",
-        LIST_PREFIX, t->shading.model);
+    const size_t n = strcspn(name, ";");
+    const nqm_schema *schema = nqm_schema_find(name, n);
+    if (!schema || !nqm_mtlx_find_surface(NULL, schema->model))
+        return nqm_fail(
+            err, NQM_ERR_ARG, -1,
+            "%smodel=%.*s: no such model; maps are read for gltf, open-pbr, standard-surface, usd-preview and disney",
+            LIST_PREFIX, (int)n, name);
+    t->values = nqm_values_of(schema);
+    return NQM_OK;
 }
 
 static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
@@ -143,9 +146,9 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
 /* glTF's default is metal, which no list of maps means: it is 0 in lists and folders that do not give it. */
 static void set_default_metallic(nqm_textured *t) {
     const double zero = 0;
-    if (strcmp(t->shading.model, "gltf") != 0 || is_given(t, find_key(t, "metallic")))
+    if (t->values.schema != &nqm_gltf_schema || is_given(t, find_key(t, "metallic")))
         return;
-    nqm_shading_set(&t->shading, "metallic", 1, &zero);
+    nqm_values_set(&t->values, "metallic", 1, &zero);
     nqm_textured_remark(t, "metallic is 0, as nothing gives it");
 }
 
@@ -207,7 +210,7 @@ static bool is_map_of(const char *file, const struct map_name *map) {
 /* The colour of the specular reflection at normal incidence, where there is no metalness: of an infinite index of refraction. */
 static void use_specular_color(nqm_textured *t) {
     const double ior = 1e7;
-    nqm_shading_set(&t->shading, "ior", 1, &ior);
+    nqm_values_set(&t->values, "ior", 1, &ior);
 }
 
 /* is_used: (n) receives whether a file is a map. */
@@ -278,7 +281,7 @@ static nqm_status read_files(nqm_textured *t, const char *path, const char *from
 static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err) {
     struct dirent **files;
     char from[4096];
-    strcpy(t->shading.model, "gltf");
+    t->values = nqm_values_of(&nqm_gltf_schema);
     const int n =
         snprintf(from, sizeof from, "%s/", path) < (int)sizeof from ? scandir(path, &files, NULL, alphasort) : -1;
     if (n < 0)

@@ -10,6 +10,7 @@
 #include "io/io.h"
 #include "io/options_json.h"
 
+#include "schema/models.h"
 #include <limits.h>
 #include <strings.h>
 
@@ -166,7 +167,7 @@ bool nqm_gltf_read_base_color(nqm_reading *reading, const nqm_rule *rule, const 
     size_t n;
     if (!read_values(reading, rule, at, v, &n))
         return false;
-    nqm_shading_set(&reading->shading, rule->key, 3, v);
+    nqm_values_set(&reading->values, rule->key, 3, v);
     r->alpha = v[3];
     return (v[3] >= 0 && v[3] <= 1) ||
            refuse(r, ((const property *)at)->path, "", "alpha, its fourth number, is outside of 0 to 1");
@@ -178,7 +179,7 @@ bool nqm_gltf_read_glossiness(nqm_reading *reading, const nqm_rule *rule, const 
     if (!read_values(reading, rule, at, v, &n))
         return false;
     v[0] = 1 - v[0];
-    nqm_shading_set(&reading->shading, rule->key, 1, v);
+    nqm_values_set(&reading->values, rule->key, 1, v);
     return true;
 }
 
@@ -240,11 +241,11 @@ static bool is_zero(const json_t *value) {
 static void begin_glossiness(reader *r, const json_t *list, const json_t *core) {
     static const char *const others[] = {"KHR_materials_specular", "KHR_materials_ior"};
     const double one = 1, zero = 0;
-    nqm_shading *shading = &r->reading.shading;
-    nqm_shading_set(shading, "metallic", 1, &zero);
-    nqm_shading_set(shading, "roughness", 1, &zero);
-    nqm_shading_set(shading, "ior", 1, &zero);
-    nqm_shading_set(shading, "base_color", 1, &one);
+    nqm_values *values = &r->reading.values;
+    nqm_values_set(values, "metallic", 1, &zero);
+    nqm_values_set(values, "roughness", 1, &zero);
+    nqm_values_set(values, "ior", 1, &zero);
+    nqm_values_set(values, "base_color", 1, &one);
     for (size_t i = 0; i < 2; ++i)
         if (json_object_get(list, others[i]))
             refuse(r, "extensions.KHR_materials_pbrSpecularGlossiness", "",
@@ -313,8 +314,8 @@ static void remark(reader *r, bool is_needed, const char *text) {
 /* The textures of a material whose factors are read. There is one normal for all layers: that of the base. */
 static void add_textures(reader *r, const json_t *material) {
     const json_t *mode = json_object_get(material, "alphaMode"), *base = json_object_get(material, "normalTexture");
-    const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
-    bool has_coat = coat && coat->v[0] > 0;
+    const double *coat = nqm_values_given(&r->reading.values, "clearcoat");
+    bool has_coat = coat && coat[0] > 0;
     r->document.has_other_set = r->document.has_filter = false;
     for (size_t i = 0; i < r->n_textures && !*r->reading.refusal.text; ++i) {
         const property *p = &r->textures[i];
@@ -342,7 +343,7 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
     const json_t *name = json_object_get(material, "name");
     if (!nqm_reading_begin(&r->reading, &source))
         return nqm_fail_nomem(r->err, sizeof *r->reading.textured);
-    strcpy(r->reading.shading.model, "gltf");
+    r->reading.values = nqm_values_of(&nqm_gltf_schema);
     r->alpha = 1;
     r->n_textures = 0;
     r->document.film_minimum = 100;
@@ -365,8 +366,8 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
         nqm_textured_free(r->reading.textured);
         return r->status;
     }
-    const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
-    if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
+    const double *ior = nqm_values_given(&r->reading.values, "ior");
+    if (ior && (*ior < 0 || (*ior > 0 && *ior < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
     add_textures(r, material);
     return nqm_reading_add(&r->reading, json_string_value(name), SURFACE, byte_of(r, ""), materials, r->err);

@@ -65,7 +65,7 @@ enum {
 };
 
 /** As nqm_material_format.write. */
-NQM_MUST_CHECK nqm_status nqm_gltf_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
-                                         nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_gltf_write(size_t n, const nqm_written_material *materials, const char *path,
+                                         FILE *stream, nqm_error *err);
 
 #endif

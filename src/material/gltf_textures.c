@@ -252,11 +252,8 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
 }
 
 /* The factor of a key: that of the file, or the default. false: 0, so that the texture has no effect. */
-static bool find_factor(const nqm_shading *shading, const char *key, double v[3]) {
-    const nqm_property *p = nqm_shading_find(shading, key);
-    const nqm_rule *input = nqm_rule_find(nqm_mtlx_find_surface(NULL, "gltf")->inputs, key);
-    for (size_t c = 0; c < 3; ++c)
-        v[c] = p ? p->v[c] : input->value;
+static bool find_factor(const nqm_values *values, const char *key, double v[3]) {
+    memcpy(v, values->v[nqm_schema_key_named(values->schema, key, strlen(key))], 3 * sizeof *v);
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
@@ -288,7 +285,7 @@ static const nqm_gltf_use glossy_uses[] = {
     {"specularGlossinessTexture", "specular_color", "srgb_texture", 3, SIZE_MAX}};
 
 /* Alpha times the factor is 1 - roughness. */
-static bool add_glossiness(nqm_gltf_document *d, const json_t *info, const nqm_shading *shading, nqm_textured *t) {
+static bool add_glossiness(nqm_gltf_document *d, const json_t *info, const nqm_values *shading, nqm_textured *t) {
     double roughness[3];
     uint16_t image, node;
     find_factor(shading, "roughness", roughness);
@@ -303,7 +300,7 @@ static bool add_glossiness(nqm_gltf_document *d, const json_t *info, const nqm_s
 }
 
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
-static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
+static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_values *shading) {
     double rotation[3];
     const uint16_t direction = nqm_graph_with(t, NQM_MAP_NORMAL, 3, image, 1);
     const uint16_t x = nqm_graph_channel(t, direction, 0), y = nqm_graph_channel(t, direction, 1);
@@ -324,7 +321,7 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
 }
 
 /* Green is between both thicknesses. */
-static bool add_thickness(nqm_gltf_document *d, const json_t *info, const nqm_shading *shading, nqm_textured *t) {
+static bool add_thickness(nqm_gltf_document *d, const json_t *info, const nqm_values *shading, nqm_textured *t) {
     static const char key[] = "iridescence_thickness";
     double maximum[3];
     uint16_t image;
@@ -339,7 +336,7 @@ static bool add_thickness(nqm_gltf_document *d, const json_t *info, const nqm_sh
 }
 
 bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, nqm_reading *reading) {
-    const nqm_shading *shading = &reading->shading;
+    const nqm_values *shading = &reading->values;
     nqm_textured *t = reading->textured;
     size_t index;
     bool is_used = strcmp(name, "specularGlossinessTexture") == 0;

@@ -7,21 +7,18 @@
 #include <stdlib.h>
 #include <strings.h>
 
-/* The values of a property: those of the shading, or the default of the specification. */
-static nqm_property value_of(const nqm_shading *shading, const nqm_rule *p) {
-    const nqm_property *set = nqm_shading_find(shading, p->key);
-    nqm_property value = {.v = {p->value, p->value, p->value}};
-    if (set)
-        value = *set;
-    value.n = p->n == 1 ? 1 : 3;
+/* The values of a property: those of the material, or the default of the specification. */
+static void get_values(const nqm_values *values, const nqm_rule *p, double v[3]) {
+    const double *given = nqm_values_given(values, p->key);
+    for (size_t c = 0; c < 3; ++c)
+        v[c] = given ? given[c] : p->value;
     /* the formula has the same value for both, and only one is valid */
-    if (strcmp(p->key, "ior") == 0 && value.v[0] > 0 && value.v[0] < 1)
-        value.v[0] = 1 / value.v[0];
-    return value;
+    if (strcmp(p->key, "ior") == 0 && v[0] > 0 && v[0] < 1)
+        v[0] = 1 / v[0];
 }
 
 /* The map of a texture; n_maps: there is none. */
-static size_t find_map(const nqm_named_shading *material, const char *texture) {
+static size_t find_map(const nqm_written_material *material, const char *texture) {
     size_t k = 0;
     while (k < material->n_maps && strcmp(material->maps[k].texture, texture) != 0)
         ++k;
@@ -29,22 +26,23 @@ static size_t find_map(const nqm_named_shading *material, const char *texture) {
 }
 
 /* A value of one of n materials differs from the default, or has a map. */
-static bool is_needed(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
+static bool is_needed(size_t n, const nqm_written_material *materials, const nqm_gltf_group *group) {
     for (size_t i = 0; i < n; ++i)
         for (const nqm_rule *p = group->rules; p->name; ++p) {
+            double v[3];
             if (find_map(&materials[i], p->name) < materials[i].n_maps)
                 return true;
             if (!p->key)
                 continue;
-            const nqm_property value = value_of(&materials[i].shading, p);
-            if (value.v[0] != p->value || value.v[1] != p->value || value.v[2] != p->value)
+            get_values(&materials[i].values, p, v);
+            if (v[0] != p->value || v[1] != p->value || v[2] != p->value)
                 return true;
         }
     return false;
 }
 
 /* `"NAME": {texture}`, if the material has it; its number is that of all maps of earlier materials and of this one before it. */
-static void write_texture(FILE *stream, const nqm_named_shading *material, size_t first, const char *name,
+static void write_texture(FILE *stream, const nqm_written_material *material, size_t first, const char *name,
                           const char *separator) {
     const size_t k = find_map(material, name), *tiles = material->tiles;
     if (k == material->n_maps)
@@ -56,16 +54,17 @@ static void write_texture(FILE *stream, const nqm_named_shading *material, size_
 }
 
 /* "NAME": {properties}, with `indent` in front of each line. first: as in write_texture(). */
-static void write_layer(FILE *stream, const nqm_named_shading *material, size_t first, const nqm_gltf_group *group,
+static void write_layer(FILE *stream, const nqm_written_material *material, size_t first, const nqm_gltf_group *group,
                         const char *indent) {
     char separator[32];
     char numbers[100];
     fprintf(stream, "%s\"%s\": {", indent, group->name);
     for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
-        const nqm_property value = value_of(&material->shading, p);
-        const bool is_array = value.n > 1;
+        const bool is_array = p->n > 1;
+        double v[3];
+        get_values(&material->values, p, v);
         fprintf(stream, "%s\n%s  \"%s\": %s%s%s%s", p == group->rules ? "" : ",", indent, p->name, is_array ? "[" : "",
-                nqm_format_doubles(numbers, sizeof numbers, value.n, value.v, ", "), p->n == 4 ? ", 1" : "",
+                nqm_format_doubles(numbers, sizeof numbers, is_array ? 3 : 1, v, ", "), p->n == 4 ? ", 1" : "",
                 is_array ? "]" : "");
     }
     snprintf(separator, sizeof separator, ",\n%s  ", indent);
@@ -74,7 +73,7 @@ static void write_layer(FILE *stream, const nqm_named_shading *material, size_t 
     fprintf(stream, "\n%s}", indent);
 }
 
-static void write_material(FILE *stream, const nqm_named_shading *material, size_t first) {
+static void write_material(FILE *stream, const nqm_written_material *material, size_t first) {
     const char *separator = ",\n      \"extensions\": {\n";
     fprintf(stream, "    {\n      \"name\": \"%s\",\n", material->name);
     write_layer(stream, material, first, &nqm_gltf_core, "      ");
@@ -89,7 +88,7 @@ static void write_material(FILE *stream, const nqm_named_shading *material, size
 }
 
 /* The images of all maps, and a texture of each. */
-static void write_images(FILE *stream, size_t n, const nqm_named_shading *materials) {
+static void write_images(FILE *stream, size_t n, const nqm_written_material *materials) {
     size_t n_maps = 0;
     for (size_t i = 0; i < n; ++i)
         for (size_t k = 0; k < materials[i].n_maps; ++k) {
@@ -104,7 +103,7 @@ static void write_images(FILE *stream, size_t n, const nqm_named_shading *materi
     fputs(n_maps ? "]" : "", stream);
 }
 
-static void write_document(FILE *stream, size_t n, const nqm_named_shading *materials) {
+static void write_document(FILE *stream, size_t n, const nqm_written_material *materials) {
     const char *separator = "";
     size_t n_maps = 0;
     bool is_tiled = false;
@@ -133,7 +132,7 @@ static void write_document(FILE *stream, size_t n, const nqm_named_shading *mate
 }
 
 /* The container begins with the size of the document, which is written to memory first. */
-static nqm_status write_container(FILE *stream, size_t n, const nqm_named_shading *materials, nqm_error *err) {
+static nqm_status write_container(FILE *stream, size_t n, const nqm_written_material *materials, nqm_error *err) {
     unsigned char header[NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER];
     char *text = NULL;
     size_t n_text = 0;
@@ -156,7 +155,7 @@ static nqm_status write_container(FILE *stream, size_t n, const nqm_named_shadin
     return NQM_OK;
 }
 
-nqm_status nqm_gltf_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+nqm_status nqm_gltf_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                           nqm_error *err) {
     const char *dot = strrchr(path, '.');
     if (dot && strcasecmp(dot, ".glb") == 0)

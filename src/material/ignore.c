@@ -51,26 +51,6 @@ size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret) {
 
 /* ---- what reflects ----------------------------------------------------------------------------------------------- */
 
-/* The keys of a model that take part; NULL: it has none. Values of keys that the file does not give. */
-static const struct parts {
-    const char *model, *weight, *color, *metal, *roughness, *sheen;
-    double default_color, default_metal;
-} parts[] = {
-    {"open-pbr", "base_weight", "base_color", "base_metalness", "base_diffuse_roughness", NULL, 0.8, 0},
-    {"standard-surface", "base", "base_color", "metalness", "diffuse_roughness", "sheen", 0.8, 0},
-    {"gltf", NULL, "base_color", "metallic", NULL, NULL, 1, 1},
-    {"disney", NULL, "baseColor", "metallic", NULL, "sheen", 0.16, 0},
-    {"principled", NULL, "base_color", "metallic", NULL, NULL, 0.5, 0},
-    {"blender-principled", NULL, "base_color", "metallic", NULL, NULL, 0.8, 0},
-};
-
-static const struct parts *find_parts(const char *model) {
-    size_t i = 0;
-    while (i + 1 < sizeof parts / sizeof *parts && strcmp(parts[i].model, model) != 0)
-        ++i;
-    return &parts[i];
-}
-
 static nqm_map_output *find_output(nqm_textured *t, const char *key) {
     size_t i = 0;
     while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
@@ -78,33 +58,36 @@ static nqm_map_output *find_output(nqm_textured *t, const char *key) {
     return i < t->n_outputs ? &t->outputs[i] : NULL;
 }
 
-static uint16_t node_of(nqm_reading *r, const char *key, double value) {
-    const nqm_map_output *output = find_output(r->textured, key);
-    const nqm_property *p = nqm_shading_find(&r->shading, key);
-    return output ? output->node : p ? nqm_graph_value(r->textured, p->n, p->v) : nqm_graph_number(r->textured, value);
+static const nqm_schema_key *key_of(const nqm_reading *r, nqm_role role) {
+    return &r->values.schema->keys[nqm_schema_key_of(r->values.schema, role)];
 }
 
-static void set_key(nqm_reading *r, const char *key, uint16_t node) {
+static uint16_t node_of(nqm_reading *r, const nqm_schema_key *key) {
+    const nqm_map_output *output = find_output(r->textured, key->name);
+    return output ? output->node : nqm_graph_value(r->textured, key->n, r->values.v[key - r->values.schema->keys]);
+}
+
+static void set_key(nqm_reading *r, const nqm_schema_key *key, uint16_t node) {
     nqm_textured *t = r->textured;
     if (node == NQM_NO_NODE) {
         r->refusal = r->aside; /* too many nodes, or a value that is not finite */
         return;
     }
-    if (!nqm_graph_is_constant(t, node) || find_output(t, key))
-        nqm_graph_output_set(t, key, node);
+    if (!nqm_graph_is_constant(t, node) || find_output(t, key->name))
+        nqm_graph_output_set(t, key->name, node);
     else
-        nqm_shading_set(&r->shading, key, t->nodes[node].n, t->nodes[node].v);
+        nqm_values_set(&r->values, key->name, t->nodes[node].n, t->nodes[node].v);
 }
 
 /* Multiply a property by a factor. */
-static void scale(nqm_reading *r, const char *key, size_t n, double value, uint16_t factor) {
-    set_key(r, key, nqm_graph_compute(r->textured, NQM_MAP_MULTIPLY, n, node_of(r, key, value), factor, 0));
+static void scale(nqm_reading *r, const nqm_schema_key *key, uint16_t factor) {
+    set_key(r, key, nqm_graph_compute(r->textured, NQM_MAP_MULTIPLY, key->n, node_of(r, key), factor, 0));
 }
 
 /* 1 minus a weight, of which only the part that is no metal has a share; *share receives that share. */
-static uint16_t rest_of(nqm_reading *r, const struct parts *p, uint16_t weight, uint16_t *share) {
+static uint16_t rest_of(nqm_reading *r, uint16_t weight, uint16_t *share) {
     nqm_textured *t = r->textured;
-    const uint16_t one = nqm_graph_number(t, 1), metal = node_of(r, p->metal, p->default_metal);
+    const uint16_t one = nqm_graph_number(t, 1), metal = node_of(r, key_of(r, NQM_ROLE_METAL));
     *share =
         nqm_graph_compute(t, NQM_MAP_MULTIPLY, 1, nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, metal, 0), weight, 0);
     return nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, *share, 0);
@@ -112,49 +95,51 @@ static uint16_t rest_of(nqm_reading *r, const struct parts *p, uint16_t weight, 
 
 /* The diffuse reflection has the color mix(weight color, subsurface color). Between 0 and 1 of the subsurface
  * scattering this is exact for Lambertian reflection, and where the part that is a metal is 0 or 1. */
-static void add_subsurface(nqm_reading *r, const struct parts *p) {
+static void add_subsurface(nqm_reading *r) {
+    const nqm_schema_key *color = key_of(r, NQM_ROLE_BASE_COLOR), *weight = key_of(r, NQM_ROLE_BASE_WEIGHT);
     nqm_textured *t = r->textured;
     uint16_t share;
-    const uint16_t rest = rest_of(r, p, r->weights[1], &share), color = node_of(r, p->color, p->default_color);
-    const uint16_t weighted = nqm_graph_compute(t, NQM_MAP_MULTIPLY, 3, color, node_of(r, p->weight, 1), 0);
-    set_key(r, p->color, nqm_graph_compute(t, NQM_MAP_MIX, 3, weighted, r->subsurface_color, share));
-    set_key(r, p->weight, nqm_graph_number(t, 1));
-    scale(r, p->roughness, 1, 0, rest);
+    const uint16_t rest = rest_of(r, r->weights[1], &share);
+    const uint16_t weighted = nqm_graph_compute(t, NQM_MAP_MULTIPLY, 3, node_of(r, color), node_of(r, weight), 0);
+    set_key(r, color, nqm_graph_compute(t, NQM_MAP_MIX, 3, weighted, r->subsurface_color, share));
+    set_key(r, weight, nqm_graph_number(t, 1));
+    scale(r, key_of(r, NQM_ROLE_DIFFUSE_ROUGHNESS), rest);
 }
 
 /* A constant material that is a metal in part is the mixture of a metal and of a dielectric, of which alone something is ignored:
  * the keys of one material have the same colour for both. */
-static void split_metal(nqm_reading *r, const struct parts *p) {
-    const nqm_property *metal = nqm_shading_find(&r->shading, p->metal);
-    const double share = metal ? metal->v[0] : p->default_metal, zero = 0, one = 1;
+static void split_metal(nqm_reading *r) {
+    const char *metal = key_of(r, NQM_ROLE_METAL)->name;
+    const double share = r->values.v[nqm_schema_key_of(r->values.schema, NQM_ROLE_METAL)][0], zero = 0, one = 1;
     const bool varies = r->textured->n_outputs || r->textured->normal != NQM_NO_NODE;
-    if (find_output(r->textured, p->metal) || (varies && share > 0 && share < 1))
+    if (find_output(r->textured, metal) || (varies && share > 0 && share < 1))
         nqm_textured_remark(r->textured, "where it is partly a metal, the metal is darkened with the rest");
     if (varies || !(share > 0 && share < 1))
         return;
-    nqm_shading whole = r->shading;
-    nqm_shading_set(&whole, p->metal, 1, &one);
-    nqm_shading_set(&r->shading, p->metal, 1, &zero);
-    r->metal = nqm_shading_spec(&whole);
+    nqm_values whole = r->values;
+    nqm_values_set(&whole, metal, 1, &one);
+    nqm_values_set(&r->values, metal, 1, &zero);
+    r->metal = nqm_values_spec(&whole);
     r->metal_share = share;
 }
 
 void nqm_reading_reflect(nqm_reading *r) {
-    const struct parts *p = find_parts(r->shading.model);
+    const nqm_schema *schema = r->values.schema;
     uint16_t share;
-    if (!r->textured || strcmp(p->model, r->shading.model) != 0)
+    size_t n_below = 0;
+    for (size_t k = 0; schema && k < schema->n_keys; ++k)
+        n_below += schema->keys[k].is_below;
+    if (!r->textured || n_below == 0)
         return;
     if (r->weights[0] != NQM_NO_NODE || r->weights[1] != NQM_NO_NODE)
-        split_metal(r, p);
-    if (r->weights[1] != NQM_NO_NODE && r->subsurface_color != NQM_NO_NODE && p->weight)
-        add_subsurface(r, p);
+        split_metal(r);
+    if (r->weights[1] != NQM_NO_NODE && r->subsurface_color != NQM_NO_NODE &&
+        nqm_schema_key_of(schema, NQM_ROLE_BASE_WEIGHT) < schema->n_keys)
+        add_subsurface(r);
     if (r->weights[0] == NQM_NO_NODE)
         return;
-    const uint16_t rest = rest_of(r, p, r->weights[0], &share);
-    if (p->weight)
-        scale(r, p->weight, 1, 1, rest);
-    else
-        scale(r, p->color, 3, p->default_color, rest);
-    if (p->sheen)
-        scale(r, p->sheen, 1, 0, rest);
+    const uint16_t rest = rest_of(r, r->weights[0], &share);
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        if (schema->keys[k].is_below)
+            scale(r, &schema->keys[k], rest);
 }

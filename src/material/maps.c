@@ -185,7 +185,7 @@ void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node) {
     size_t i = 0;
     while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
         ++i;
-    if (i == NQM_MAX_PROPERTIES)
+    if (i == NQM_SCHEMA_MAX_KEYS)
         return;
     t->n_outputs = nqm_larger(t->n_outputs, i + 1);
     snprintf(t->outputs[i].key, sizeof t->outputs[i].key, "%s", key);

@@ -93,9 +93,9 @@ typedef struct nqm_map_output {
 
 /** A textured material. */
 typedef struct nqm_textured {
-    nqm_shading shading; /**< with values of all properties that are constant */
+    nqm_values values; /**< with values of all properties that are constant */
     size_t n_outputs;
-    nqm_map_output outputs[NQM_MAX_PROPERTIES];
+    nqm_map_output outputs[NQM_SCHEMA_MAX_KEYS];
     uint16_t
         normal; /**< the node of the normal, a unit vector in the frame of tangent (u), bitangent (v upwards) and normal;
                           NQM_NO_NODE: (0, 0, 1) */

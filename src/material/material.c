@@ -298,6 +298,13 @@ bool nqm_contains_word(const char *words, const char *word, bool any_case) {
     return nqm_find_word(words, word, any_case) != SIZE_MAX;
 }
 
+const char *nqm_material_extensions(const char *model) {
+    for (const nqm_material_format *const *f = formats; *f; ++f)
+        if (nqm_contains_word((*f)->models, model, false))
+            return (*f)->extensions;
+    return "";
+}
+
 /* A format that writes the model to this path. */
 static nqm_status select_format(const char *model, const char *path, const nqm_material_format **format_ret,
                                 nqm_error *err) {
@@ -327,7 +334,7 @@ static void clean_name(char *name) {
         strcpy(name, "material");
 }
 
-static bool is_taken(size_t n, const nqm_named_shading *materials, const char *name) {
+static bool is_taken(size_t n, const nqm_written_material *materials, const char *name) {
     for (size_t i = 0; i < n; ++i)
         if (strcmp(materials[i].name, name) == 0)
             return true;
@@ -335,7 +342,7 @@ static bool is_taken(size_t n, const nqm_named_shading *materials, const char *n
 }
 
 /* The name of material i, which differs from those before: a number is appended. */
-static void settle_name(size_t i, nqm_named_shading *materials) {
+static void settle_name(size_t i, nqm_written_material *materials) {
     char *name = materials[i].name, stem[sizeof materials->name];
     clean_name(name);
     memcpy(stem, name, sizeof stem);
@@ -343,18 +350,29 @@ static void settle_name(size_t i, nqm_named_shading *materials) {
         snprintf(name, sizeof stem, "%.50s_%zu", stem, number);
 }
 
+size_t nqm_parse_numbers(const char *text, size_t max_n, double *v) {
+    static const char separators[] = " ,\t\r\n";
+    size_t n = 0;
+    for (text += strspn(text, separators); *text; text += strspn(text, separators)) {
+        if (n == max_n || !nqm_parse_double(text, &text, &v[n]) || (*text && !strchr(separators, *text)))
+            return 0;
+        ++n;
+    }
+    return n;
+}
+
 nqm_status nqm_material_check(const char *model, const char *path, nqm_error *err) {
     const nqm_material_format *format;
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
-                              nqm_error *err) {
+nqm_status nqm_materials_write(size_t n, nqm_written_material *materials, const char *path, nqm_outset *set,
+                               nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     for (size_t i = 0; i < n; ++i)
         settle_name(i, materials);
-    nqm_status status = select_format(materials->shading.model, path, &format, err);
+    nqm_status status = select_format(materials->values.schema->model, path, &format, err);
     if (status == NQM_OK)
         status = nqm_outfile_open(path, &out, err);
     if (status == NQM_OK)

@@ -1,61 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
- * material.h - what the file formats of materials share: the list of materials that a reader fills, and a shading model with
- * its properties as it is before and after it is text. Nothing here knows a formula or the range of a property: src/brdf checks
- * them when it opens the spec.
+ * material.h - what the file formats of materials share: the list of materials that a reader fills, and what is
+ * written. Nothing here checks the range of a value: src/brdf does when it opens the spec.
  */
 #ifndef NQM_SRC_MATERIAL_H
 #define NQM_SRC_MATERIAL_H
 
 #include "base/base.h"
+#include "schema/schema.h"
 #include <nqm/material.h>
-
-/** A property: one number, two along tangent and bitangent, or three for a colour (linear, BT.709 primaries). */
-typedef struct nqm_property {
-    char key[48];
-    size_t n;
-    double v[3];
-} nqm_property;
-
-enum { NQM_MAX_PROPERTIES = 64 };
-
-/** A shading model and its properties: a spec before it is text. */
-typedef struct nqm_shading {
-    char model[32];
-    const char *remark; /**< remark on the material (nqm_material_info); a constant */
-    size_t n;
-    nqm_property properties[NQM_MAX_PROPERTIES];
-} nqm_shading;
 
 /** The remark of a material with a map or factor of ambient occlusion. */
 #define NQM_OCCLUSION_REMARK "occlusion is ignored: it is no part of a BRDF, which renderers multiply by it"
 
-/** Set a property, also one that has a value. n: 1, 2 or 3. A key that is too long or too many are ignored: readers set keys of
- *  tables only. */
-void nqm_shading_set(nqm_shading *shading, const char *key, size_t n, const double *v);
-/** NULL: the property is not set. */
-const nqm_property *nqm_shading_find(const nqm_shading *shading, const char *key);
-/** The spec; nqm_free(). NULL: out of memory. */
-char *nqm_shading_spec(const nqm_shading *shading);
-/** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
-NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
 /** An image map of a written glTF material. */
 typedef struct nqm_written_map {
     const char *texture; /**< "baseColorTexture" */
     char file[256];      /**< name of the image, in the folder of the material file */
 } nqm_written_map;
-/** A shading and its name in a file: letters, digits and '_'. */
-typedef struct nqm_named_shading {
-    nqm_shading shading;
+/** The values of a material that is written, and its name in a file: letters, digits and '_'. */
+typedef struct nqm_written_material {
+    nqm_values values;
     char name[64];
-    size_t n_maps; /**< whose values are multiplied by those of the shading */
+    size_t n_maps; /**< whose values are multiplied by those of the material */
     nqm_written_map maps[12];
     size_t tiles[2]; /**< how often the maps are repeated along u and v */
-} nqm_named_shading;
-/** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and
+} nqm_written_material;
+/** Write a material file with n > 0 materials of one model. Names become valid and
  *  different ones. See nqm_material_write(). The file is complete at once (set NULL), or when the set is committed. */
-NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
-                                             nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, nqm_written_material *materials, const char *path,
+                                              nqm_outset *set, nqm_error *err);
 
 /** The numbers of the materials of that name, in the order of the file, and how many these are. */
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
@@ -107,7 +81,8 @@ typedef struct nqm_material_format {
     /** Append the materials of the file. */
     nqm_status (*read)(const nqm_map *map, nqm_materials *materials, nqm_error *err);
     /** Write a file with n materials of one model; `path` is for its extension, errors of the stream are found by the caller. */
-    nqm_status (*write)(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream, nqm_error *err);
+    nqm_status (*write)(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
+                        nqm_error *err);
 } nqm_material_format;
 
 /** Every format. A new one is defined in a file of its own, and named here. */
@@ -135,6 +110,8 @@ bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *tex
 bool nqm_materials_probe(const nqm_map *map);
 /** Whether nqm_material_write() writes this model to a file of this name: NQM_OK, or its NQM_ERR_ARG. */
 NQM_MUST_CHECK nqm_status nqm_material_check(const char *model, const char *path, nqm_error *err);
+/** The extensions of the first format that writes this model, as in nqm_material_format; "": none does. */
+const char *nqm_material_extensions(const char *model);
 /** The names of all formats, separated by ", ". */
 void nqm_material_format_names(char *text, size_t n_text);
 /** As nqm_materials_open(), of an open file. */

@@ -126,7 +126,7 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
     if (!(v[0] > 0) &&
         nqm_texts_equal(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
         return nqm_refuse(base, property, "%s is %.4g; an index of refraction is above 0", rule->name, v[0]);
-    nqm_shading_set(&base->shading, rule->key, n, v);
+    nqm_values_set(&base->values, rule->key, n, v);
     return true;
 }
 
@@ -174,8 +174,8 @@ static bool check_coat_normal(reading *r) {
     const uint16_t base = r->graph.t->normal;
     bool has_coat = false;
     for (size_t i = 0; i < 3; ++i) {
-        const nqm_property *weight = nqm_shading_find(&r->reading.shading, weights[i]);
-        has_coat = has_coat || (weight && weight->v[0] > 0);
+        const double *weight = nqm_values_given(&r->reading.values, weights[i]);
+        has_coat = has_coat || (weight && *weight > 0);
         for (size_t k = 0; k < r->graph.t->n_outputs; ++k)
             has_coat = has_coat || nqm_texts_equal(weights[i], r->graph.t->outputs[k].key);
     }
@@ -238,17 +238,17 @@ bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *p
 /* Version 1.0.0 of standard_surface, and the film of gltf_pbr, have other defaults than the table. */
 static void set_defaults(reading *r) {
     const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
-    nqm_shading *shading = &r->reading.shading;
-    strcpy(shading->model, r->surface->model);
+    nqm_values *values = &r->reading.values;
+    *values = nqm_values_of(nqm_schema_find(r->surface->model, strlen(r->surface->model)));
     for (const nqm_rule *rule = r->surface->inputs; rule->name; ++rule)
         if (rule->key)
-            nqm_shading_set(shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
+            nqm_values_set(values, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
     if (strcmp(r->surface->node, "gltf_pbr") == 0)
-        nqm_shading_set(shading, "iridescence_thickness", 1, (double[]){100});
+        nqm_values_set(values, "iridescence_thickness", 1, (double[]){100});
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
         (nqm_texts_equal(version, "1.0.0") || nqm_texts_equal(definition, "ND_standard_surface_surfaceshader_100"))) {
-        nqm_shading_set(shading, "base", 1, (double[]){0.8});
-        nqm_shading_set(shading, "base_color", 3, (double[]){1, 1, 1});
+        nqm_values_set(values, "base", 1, (double[]){0.8});
+        nqm_values_set(values, "base_color", 3, (double[]){1, 1, 1});
     }
 }
 
@@ -462,34 +462,33 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
 
 /* ---- writing ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status write_material(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
-                                 nqm_error *err) {
+static void write_material(const nqm_values *values, const char *name, FILE *stream) {
     char numbers[100];
-    const nqm_mtlx_surface *surface = nqm_mtlx_find_surface(NULL, shading->model); /* one of those of the format */
+    const nqm_mtlx_surface *surface =
+        nqm_mtlx_find_surface(NULL, values->schema->model); /* one of those of the format */
     fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
-    for (size_t i = 0; i < shading->n; ++i) {
-        const nqm_rule *input = nqm_rule_find(surface->inputs, shading->properties[i].key);
-        if (!input || !input->key)
-            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s has no input '%s'", path, surface->node,
-                            shading->properties[i].key);
+    for (size_t k = 0; k < values->schema->n_keys; ++k) {
+        const nqm_rule *input = nqm_rule_find(surface->inputs, values->schema->keys[k].name);
+        if (!(values->given >> k & 1))
+            continue;
         fprintf(stream, "    <input name=\"%s\" type=\"%s\" value=\"%s\" />\n", input->name, input->type,
-                nqm_format_doubles(numbers, sizeof numbers, input->n, shading->properties[i].v, ", "));
+                nqm_format_doubles(numbers, sizeof numbers, input->n, values->v[k], ", "));
     }
     fprintf(stream,
             "  </%s>\n  <surfacematerial name=\"%s\" type=\"material\">\n"
             "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"SR_%s\" />\n  </surfacematerial>\n",
             surface->node, name, name);
-    return NQM_OK;
 }
 
-static nqm_status write_materialx(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+static nqm_status write_materialx(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                                   nqm_error *err) {
-    nqm_status status = NQM_OK;
+    (void)path;
+    (void)err;
     fputs("<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n", stream);
-    for (size_t i = 0; status == NQM_OK && i < n; ++i)
-        status = write_material(&materials[i].shading, materials[i].name, path, stream, err);
+    for (size_t i = 0; i < n; ++i)
+        write_material(&materials[i].values, materials[i].name, stream);
     fputs("</materialx>\n", stream);
-    return status;
+    return NQM_OK;
 }
 
 const nqm_material_format nqm_materialx_format = {

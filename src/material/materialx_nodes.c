@@ -511,5 +511,5 @@ uint16_t nqm_mtlx_read(graph *g, element *input, const char *name, const char *t
 
 void nqm_mtlx_remark(graph *g, const char *text) {
     nqm_remark_add(g->remark, sizeof g->remark, "%s", text);
-    g->reading->shading.remark = g->remark;
+    g->reading->remark = g->remark;
 }

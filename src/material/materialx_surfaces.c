@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The inputs of MaterialX 1.39's surface shaders: those that are keys (surface_keys.h), and the others with the defaults of their
+ * The inputs of MaterialX 1.39's surface shaders: those that are keys (schema/models.h), and the others with the defaults of their
  * definitions. Inputs that matter only with another one that must be 0, such as a colour of transmission, are ignored.
  */
 #include "material/materialx.h"
-#include "material/surface_keys.h"
+#include "schema/models.h"
 
 #define FIRST(X, ...) X
-#define KEY(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                         \
+#define KEY(INDEX, NAME, TYPE, ROLE, LOW, HIGH, ...)                                                                   \
     {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), FIRST(__VA_ARGS__, 0), NULL, NULL, TYPE, 0, false},
 #define VALUE(NAME, READ, TYPE, DEFAULT, WHY, IGNORABLE, IS_WEIGHT)                                                    \
     { NAME, READ, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE, IGNORABLE, IS_WEIGHT }

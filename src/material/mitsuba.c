@@ -119,12 +119,12 @@ static bool read_distribution(nqm_reading *r, const nqm_rule *rule, const void *
     const double v = strcmp(node->value, "ggx") == 0;
     if (v == 0 && strcmp(node->value, "beckmann") != 0)
         return nqm_refuse(r, node, "distribution is '%.40s'; Mitsuba has beckmann and ggx", node->value);
-    nqm_shading_set(&r->shading, rule->key, 1, &v);
+    nqm_values_set(&r->values, rule->key, 1, &v);
     return true;
 }
 
 static bool read_eta(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    if (nqm_shading_find(&r->shading, "eta"))
+    if (nqm_values_given(&r->values, "eta"))
         return nqm_refuse(r, property, "eta is given twice: specular stands for it");
     return nqm_rule_set(r, rule, property);
 }
@@ -137,10 +137,10 @@ static bool read_specular(nqm_reading *r, const nqm_rule *rule, const void *prop
         return false;
     if (!(v[0] >= 0 && v[0] <= 1))
         return nqm_refuse(r, property, "specular is %s; its range is 0 to 1", ((const nqm_bsdf_node *)property)->value);
-    if (nqm_shading_find(&r->shading, "eta"))
+    if (nqm_values_given(&r->values, "eta"))
         return nqm_refuse(r, property, "specular is given as well as eta");
     const double eta = 2 / (1 - sqrt(0.08 * v[0])) - 1;
-    nqm_shading_set(&r->shading, "eta", 1, &eta);
+    nqm_values_set(&r->values, "eta", 1, &eta);
     return true;
 }
 
@@ -149,7 +149,7 @@ static bool read_flag(nqm_reading *r, const nqm_rule *rule, const void *property
     (void)property; /* the only one of this name */
     if (!nqm_bsdf_flag((nqm_bsdf_reading *)r, rule->name, &is_true))
         return false;
-    nqm_shading_set(&r->shading, rule->key, 1, &(double){is_true});
+    nqm_values_set(&r->values, rule->key, 1, &(double){is_true});
     return true;
 }
 
@@ -215,7 +215,7 @@ static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, "material");
-    nqm_shading *shading = &r->reading.shading;
+    nqm_values *values = &r->reading.values;
     char names[300];
     if (!finish_alpha(r, bsdf))
         return false;
@@ -228,8 +228,8 @@ static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     if (!m)
         return nqm_refuse(&r->reading, node, "the indices of the material '%.40s' are not known; these are: %s",
                           node->value, names);
-    nqm_shading_set(shading, "eta", 3, m->eta);
-    nqm_shading_set(shading, "k", 3, m->k);
+    nqm_values_set(values, "eta", 3, m->eta);
+    nqm_values_set(values, "k", 3, m->k);
     return true;
 }
 
@@ -238,12 +238,12 @@ static bool finish_plastic(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     if (!read_ior(r, "int_ior", &inside) || !read_ior(r, "ext_ior", &outside) || !finish_alpha(r, bsdf))
         return false;
     const double eta = inside / outside;
-    const nqm_property *alpha = nqm_shading_find(&r->reading.shading, "alpha");
-    if (alpha && alpha->n == 2)
+    const double *alpha = nqm_values_given(&r->reading.values, "alpha");
+    if (alpha && alpha[0] != alpha[1])
         return nqm_refuse(&r->reading, bsdf, "alpha_u and alpha_v differ; the roughplastic of Mitsuba has one alpha");
     if (!(eta >= 1.05 && eta <= 3))
         return nqm_refuse(&r->reading, bsdf, "int_ior / ext_ior is %.4g; the model's range is 1.05 to 3", eta);
-    nqm_shading_set(&r->reading.shading, "eta", 1, &eta);
+    nqm_values_set(&r->reading.values, "eta", 1, &eta);
     return true;
 }
 
@@ -257,8 +257,8 @@ static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const double grey = 0.5; /* Mitsuba's default; the key is required */
     (void)bsdf;
-    if (!nqm_shading_find(&r->reading.shading, "kd"))
-        nqm_shading_set(&r->reading.shading, "kd", 1, &grey);
+    if (!nqm_values_given(&r->reading.values, "kd"))
+        nqm_values_set(&r->reading.values, "kd", 1, &grey);
     return true;
 }
 

@@ -17,7 +17,7 @@ NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, con
                                                 nqm_error *err);
 
 /** Write the BSDF as a JSON dictionary or as XML. */
-nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+nqm_status nqm_mitsuba_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                              nqm_error *err);
 
 #endif

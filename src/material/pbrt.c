@@ -320,8 +320,8 @@ static bool finish_diffuse_transmission(nqm_bsdf_reading *r, const nqm_bsdf_node
 static bool read_one_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *bsdf) {
     if (!read_roughness(r, s, bsdf))
         return false;
-    const nqm_property *roughness = nqm_shading_find(&r->reading.shading, s->roughness[0]);
-    if (roughness && roughness->n == 2)
+    const double *roughness = nqm_values_given(&r->reading.values, s->roughness[0]);
+    if (roughness && roughness[0] != roughness[1])
         return nqm_refuse(&r->reading, bsdf, "%s and %s differ; the coat is read with one roughness", s->roughness[1],
                           s->roughness[2]);
     return true;
@@ -437,37 +437,39 @@ nqm_status nqm_pbrt_add(const nqm_pbrt_scene *scene, size_t at, const char *type
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static void write_material(const nqm_shading *shading, const char *name, FILE *stream) {
-    static const char *const written[][3] = {/* model, type, and its colours */
-                                             {"lambert", "diffuse", "kd"},
-                                             {"pbrt-conductor", "conductor", "eta k"},
-                                             {"pbrt-coated-diffuse", "coateddiffuse", "reflectance"},
-                                             {"pbrt-coated-conductor", "coatedconductor", "conductor.eta conductor.k"}};
+static void write_material(const nqm_values *values, const char *name, FILE *stream) {
+    static const char *const written[][2] = {{"lambert", "diffuse"},
+                                             {"pbrt-conductor", "conductor"},
+                                             {"pbrt-coated-diffuse", "coateddiffuse"},
+                                             {"pbrt-coated-conductor", "coatedconductor"}};
     char numbers[100];
     size_t at = 0;
-    while (strcmp(written[at][0], shading->model) != 0)
+    while (strcmp(written[at][0], values->schema->model) != 0)
         ++at;
     fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name, written[at][1]);
-    for (size_t i = 0; i < shading->n; ++i) {
-        const nqm_property *p = &shading->properties[i];
-        const bool is_colour = nqm_contains_word(written[at][2], p->key, false), is_pair = p->n == 2;
-        const char *type = is_colour ? "rgb" : strcmp(p->key, "maxdepth") == 0 ? "integer" : "float";
+    for (size_t k = 0; k < values->schema->n_keys; ++k) {
+        const nqm_schema_key *key = &values->schema->keys[k];
+        const double *v = values->v[k];
+        const bool is_pair = key->n == 2 && v[0] != v[1];
+        const char *type = key->n == 3 ? "rgb" : key->whole ? "integer" : "float";
+        if (!(values->given >> k & 1))
+            continue;
         for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
             fprintf(stream, "    \"%s %s%s\" [ %s ]\n", type,
                     !is_pair ? ""
                     : c      ? "v"
                              : "u",
-                    at == 0 ? "reflectance" : p->key,
-                    nqm_format_doubles(numbers, sizeof numbers, is_colour ? 3 : 1, p->v + c, " "));
+                    at == 0 ? "reflectance" : key->name,
+                    nqm_format_doubles(numbers, sizeof numbers, key->n == 3 ? 3 : 1, v + c, " "));
     }
 }
 
-static nqm_status write_pbrt(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+static nqm_status write_pbrt(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                              nqm_error *err) {
     (void)path;
     (void)err;
     for (size_t i = 0; i < n; ++i)
-        write_material(&materials[i].shading, materials[i].name, stream);
+        write_material(&materials[i].values, materials[i].name, stream);
     return NQM_OK;
 }
 

@@ -103,7 +103,7 @@ bool nqm_rule_set(nqm_reading *r, const nqm_rule *rule, const void *property) {
     size_t n;
     if (!r->source->read(r, rule, property, v, &n))
         return false;
-    nqm_shading_set(&r->shading, rule->key, n, v);
+    nqm_values_set(&r->values, rule->key, n, v);
     return true;
 }
 
@@ -209,10 +209,10 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     const bool is_refused = *r->refusal.text;
     const bool has_brdf = !is_refused && !varies, is_aside = !is_refused && r->ignorable;
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
-    char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;
+    char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_values_spec(&r->values) : NULL;
     char words[NQM_IGNORE_SIZE];
-    if (r->shading.remark)
-        nqm_textured_remark(t, r->shading.remark);
+    if (r->remark)
+        nqm_textured_remark(t, r->remark);
     if (spec && r->metal) {
         char *mixture = nqm_strdupf("between:t=%.17g;with=(%s);of=%s", r->metal_share, r->metal, spec);
         nqm_free(spec);
@@ -231,11 +231,10 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
                                     .ignorable = is_aside ? nqm_ignore_words(r->ignorable, words) : NULL,
                                     .reflection = is_aside ? brdf : NULL};
     nqm_status status =
-        brdf || !has_brdf ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
+        brdf || !has_brdf ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->values);
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
-        t->shading = r->shading;
-        t->shading.remark = NULL; /* it may belong to the reader */
+        t->values = r->values;
         nqm_materials_attach(materials, t, true);
     } else
         nqm_textured_free(t);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * rules.h - how the properties of a material in a file become those of a shading. Each shading model of each file
+ * rules.h - how the properties of a material in a file become the values of a schema. Each shading model of each file
  * format has a list with one rule for each property that a file may give; any other property refuses the material. What
  * differs between the formats is how a property is found and its numbers are read: nqm_rule_source.
  */
@@ -30,7 +30,7 @@ struct nqm_rule {
         is_weight; /**< of the transmission or subsurface scattering, which takes the place of the diffuse reflection */
 };
 
-/** Set the key of the shading. */
+/** Set the key of the model. */
 nqm_rule_read nqm_rule_set;
 /** Refuse values other than that of the rule. */
 nqm_rule_read nqm_rule_neutral;
@@ -75,8 +75,9 @@ typedef struct nqm_reason {
 struct nqm_reading {
     const nqm_rule_source *source;
     const nqm_rule *rules;
-    const char *owner; /**< what has the properties, for messages */
-    nqm_shading shading;
+    const char *owner;            /**< what has the properties, for messages */
+    nqm_values values;            /**< schema NULL: of a measured file */
+    const char *remark;           /**< on the material (nqm_material_info); of the reader; NULL: none */
     const char *file;             /**< of a measured material; NULL: the shading is the result */
     uint64_t given;               /**< bit i: rule i has been applied */
     char unused[NQM_REMARK_SIZE]; /**< nqm_material_info.unused */

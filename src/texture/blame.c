@@ -15,7 +15,7 @@
 enum { NOTHING, EXCHANGED };
 static const nqm_property_mistake mistakes[] = {
     [NOTHING] = {"", NULL}, [EXCHANGED] = {" are exchanged", NULL}, NQM_PROPERTY_MISTAKES};
-enum { N_MISTAKES = sizeof mistakes / sizeof *mistakes, NO_PROPERTY = NQM_SPEC_MAX_KEYS };
+enum { N_MISTAKES = sizeof mistakes / sizeof *mistakes, NO_PROPERTY = NQM_SCHEMA_MAX_KEYS };
 
 /* A property, or the normal, and what each mistake leaves of the difference. */
 typedef struct suspect {
@@ -25,19 +25,13 @@ typedef struct suspect {
     double left[N_MISTAKES];
 } suspect;
 
-static bool is_one_of(const nqm_spec_key *key, const char *names) {
-    return nqm_contains_word(names, key->name, false);
-}
-
-static const char metal[] = "metallic metalness base_metalness", rough[] = "roughness specular_roughness";
-
+/* Channels of one map that are exchanged easily: metalness and roughness. */
 static size_t find_partner(const nqm_texture *t, int exchange) {
-    const nqm_spec_key *key = exchange < 0 ? NULL : &t->keys[exchange];
-    const char *wanted = !key ? "" : is_one_of(key, metal) ? rough : is_one_of(key, rough) ? metal : "";
-    for (size_t k = 0; k < t->n_properties; ++k)
-        if (is_one_of(&t->keys[k], wanted))
-            return k;
-    return NO_PROPERTY;
+    const nqm_role role = exchange < 0 ? NQM_ROLE_NONE : t->keys[exchange].role;
+    if (role != NQM_ROLE_METAL && role != NQM_ROLE_WIDTH)
+        return NO_PROPERTY;
+    const size_t k = nqm_schema_key_of(t->values.schema, role == NQM_ROLE_METAL ? NQM_ROLE_WIDTH : NQM_ROLE_METAL);
+    return k < t->n_properties ? k : NO_PROPERTY;
 }
 
 /* partner: NaN if there is none. A difference that a mistake cannot have becomes NaN. */
@@ -85,7 +79,7 @@ static nqm_status name_mistake(nqm_texture_job *job, int exchange, size_t n, nqm
         return status;
     const char *key = exchange < 0 ? "the green channel of the normal map" : t->keys[exchange].name;
     const char *other = least == EXCHANGED ? t->keys[s.partner].name : "";
-    const bool is_first = least != EXCHANGED || is_one_of(&t->keys[exchange], metal);
+    const bool is_first = least != EXCHANGED || t->keys[exchange].role == NQM_ROLE_METAL;
     char text[160];
     snprintf(text, sizeof text, "%s%s%s%s", is_first ? key : other, *other ? " and " : "", is_first ? other : key,
              mistakes[least].text);

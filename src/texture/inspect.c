@@ -46,7 +46,7 @@ static void say(nqm_texture *t, const char *what, size_t n, size_t n_all, const 
 nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err) {
     const size_t n_rows = (size_t)t->n_rows * BLOCK;
     float *rows = nqm_alloc(n_rows, sizeof *rows);
-    size_t size[2], n_outside[NQM_SPEC_MAX_KEYS] = {0}, n_below = 0;
+    size_t size[2], n_outside[NQM_SCHEMA_MAX_KEYS] = {0}, n_below = 0;
     if (!rows)
         return nqm_fail_nomem(err, n_rows * sizeof *rows);
     for (size_t axis = 0; axis < 2; ++axis) {

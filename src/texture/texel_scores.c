@@ -23,17 +23,18 @@ typedef struct scoring {
 
 static bool make_pair(scoring *s, size_t i, const float *const rows[2]) {
     const nqm_texture *const *t = s->job->side;
-    nqm_property changed = {.n = 0};
+    const size_t side = s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_FLAT;
+    s->ref[i] = nqm_texture_spec(t[0], rows[0], i);
     if (s->exchange >= 0) {
         const size_t k = (size_t)s->exchange;
-        changed.n = t[1]->keys[k].n;
-        snprintf(changed.key, sizeof changed.key, "%s", t[1]->keys[k].name);
-        for (size_t c = 0; c < 3; ++c)
-            changed.v[c] = nqm_texture_value(t[1], k, c, rows[1], i);
+        const nqm_values test = nqm_texture_values(t[1], rows[1], i);
+        nqm_values exchanged = nqm_texture_values(t[0], rows[0], i);
+        memcpy(exchanged.v[k], test.v[k], sizeof test.v[k]);
+        exchanged.given |= UINT64_C(1) << k;
+        s->test[i] = nqm_values_spec(&exchanged);
+    } else {
+        s->test[i] = nqm_texture_spec(t[side], rows[side], i);
     }
-    const size_t side = s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_FLAT;
-    s->ref[i] = nqm_texture_spec(t[0], rows[0], i, NULL);
-    s->test[i] = nqm_texture_spec(t[side], rows[side], i, changed.n ? &changed : NULL);
     if (s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_NORMAL) {
         double tilt[3];
         nqm_texels_tilt(s->job, rows, i, tilt);
@@ -59,7 +60,7 @@ static nqm_status score_block(void *user, size_t n, nqm_texel_sample *samples, c
         samples[i].jod = 10;
         samples[i].jod_low = samples[i].jod_high = same;
         if (!make_pair(s, i, rows)) {
-            status = nqm_fail_nomem(err, sizeof(nqm_shading));
+            status = nqm_fail_nomem(err, sizeof(nqm_values));
         } else if (strcmp(s->ref[i], s->test[i]) != 0) {
             s->at[s->n_pairs] = i;
             s->pairs[s->n_pairs++] = (nqm_named_pair){s->ref[i], s->test[i]};

@@ -81,55 +81,41 @@ static void add_output(nqm_texture *t, const char *name, uint16_t node) {
     t->rows[node] = 0;
 }
 
-/* The properties of the model, with the values of its shading. */
-static nqm_status set_model(nqm_texture *t, const nqm_shading *shading, nqm_error *err) {
-    const nqm_analytic_model *model = nqm_analytic_model_find(shading->model, strlen(shading->model));
-    if (!model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", t->name, shading->model);
-    t->shading = *shading;
-    t->keys = model->schema.keys;
-    t->n_properties = model->schema.n_keys;
+/* The properties of the model, with constant values. */
+static void set_model(nqm_texture *t, const nqm_values *values) {
+    t->values = *values;
+    t->model = values->schema->model;
+    t->keys = values->schema->keys;
+    t->n_properties = values->schema->n_keys;
     for (size_t k = 0; k < t->n_properties; ++k) {
-        nqm_texture_property *p = &t->properties[k];
-        const nqm_property *set = nqm_shading_find(shading, t->keys[k].name);
-        *p = (nqm_texture_property){.key = &t->keys[k], .node = NQM_NO_NODE};
-        for (size_t c = 0; c < 3; ++c)
-            p->v[c] = set ? set->v[c] : p->key->fallback;
+        t->properties[k] = (nqm_texture_property){.key = &t->keys[k], .node = NQM_NO_NODE};
+        memcpy(t->properties[k].v, values->v[k], sizeof t->properties[k].v);
     }
-    return NQM_OK;
-}
-
-static size_t find_property(const nqm_texture *t, const char *name) {
-    size_t k = 0;
-    while (k < t->n_properties && strcmp(t->keys[k].name, name) != 0)
-        ++k;
-    return k;
 }
 
 static nqm_status set_output(nqm_texture *t, const nqm_map_output *output, nqm_error *err) {
-    const size_t k = find_property(t, output->key);
+    const size_t k = nqm_schema_key_named(t->values.schema, output->key, strlen(output->key));
     if (k == t->n_properties)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the model '%s' has no property '%s' that a map can change", t->name,
-                        t->shading.model, output->key);
+                        t->model, output->key);
     nqm_texture_property *p = &t->properties[k];
     if (t->varies[output->node]) {
         p->node = output->node;
         add_output(t, output->key, output->node);
         return NQM_OK;
     }
-    nqm_shading_set(&t->shading, p->key->name, nqm_smaller(p->key->n, t->maps->nodes[output->node].n),
-                    t->constants[output->node]);
-    memcpy(p->v, nqm_shading_find(&t->shading, p->key->name)->v, sizeof p->v);
+    nqm_values_set(&t->values, p->key->name, nqm_smaller(p->key->n, t->maps->nodes[output->node].n),
+                   t->constants[output->node]);
+    memcpy(p->v, t->values.v[k], sizeof p->v);
     return NQM_OK;
 }
 
 nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err) {
     const size_t n = t->maps->n_nodes;
-    nqm_status status = set_model(t, &t->maps->shading, err);
-    if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
-                                             {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
-                                  err);
+    set_model(t, &t->maps->values);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
+                                                    {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
+                                         err);
     if (status != NQM_OK)
         return status;
     find_varying(t);
@@ -258,7 +244,7 @@ size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t
 nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
     assert(t);
     static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-    nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words, .remark = t->remark};
+    nqm_texture_info info = {.name = t->name, .model = t->model, .varying = t->words, .remark = t->remark};
     (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
     (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
     for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {
@@ -278,10 +264,11 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    nqm_shading shading;
-    const bool has_spec = info.spec && nqm_shading_parse(info.spec, &shading, NULL) == NQM_OK;
-    if (!has_spec || set_model(t, &shading, NULL) != NQM_OK) {
-        snprintf(t->shading.model, sizeof t->shading.model, "%s", info.format);
+    nqm_values values;
+    if (info.spec && nqm_values_parse_spec(info.spec, &values, NULL) == NQM_OK) {
+        set_model(t, &values);
+    } else {
+        t->model = info.format;
         t->argument = nqm_strdup(t->name);
         status = t->argument ? NQM_OK : nqm_fail_nomem(err, strlen(t->name) + 1);
     }
@@ -311,11 +298,12 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_map(const nqm_texture *t, const nqm_texture_map *map, nqm_error *err) {
-    const size_t k = find_property(t, map->key), n_of_key = k < t->n_properties ? t->keys[k].n : 0;
+    const size_t k = nqm_schema_key_named(t->values.schema, map->key, strlen(map->key)),
+                 n_of_key = k < t->n_properties ? t->keys[k].n : 0;
     const size_t n = strcmp(map->key, "normal") == 0 ? 3 : n_of_key;
     if (n == 0)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' has no property '%s' that a map can change",
-                        t->owned->shading.model, map->key);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' has no property '%s' that a map can change", t->model,
+                        map->key);
     if (n != map->channels || map->height == 0 || map->width == 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the map '%s' has the shape (%zu, %zu, %zu): the last is %zu, none is 0",
                         map->key, map->height, map->width, map->channels, n);
@@ -358,11 +346,11 @@ static nqm_status make_of_arrays(nqm_texture *t, size_t n_maps, const nqm_textur
     t->images = nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images);
     if (!t->owned || !t->images)
         return nqm_fail_nomem(err, sizeof *t->owned);
-    nqm_status status = nqm_shading_parse(t->name, &t->owned->shading, err);
+    nqm_status status = nqm_values_parse_spec(t->name, &t->owned->values, err);
     if (status == NQM_OK && n_maps > NQM_MAX_MAP_IMAGES)
         status = nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES);
     if (status == NQM_OK)
-        status = set_model(t, &t->owned->shading, err);
+        set_model(t, &t->owned->values);
     for (size_t i = 0; status == NQM_OK && i < n_maps; ++i) {
         status = check_map(t, &maps[i], err);
         if (status == NQM_OK)
@@ -383,20 +371,19 @@ nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture
 
 /* ---- one position ------------------------------------------------------------------------------------------------ */
 
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i, const nqm_property *changed) {
-    nqm_shading shading = t->shading;
-    if (t->argument)
-        return nqm_strdup(t->argument);
-    for (size_t k = 0; k < t->n_properties; ++k) {
-        const nqm_texture_property *p = &t->properties[k];
-        const double v[3] = {nqm_texture_value(t, k, 0, rows, i), nqm_texture_value(t, k, 1, rows, i),
-                             nqm_texture_value(t, k, 2, rows, i)};
-        if (p->node != NQM_NO_NODE)
-            nqm_shading_set(&shading, p->key->name, p->key->n, v);
-    }
-    if (changed)
-        nqm_shading_set(&shading, changed->key, changed->n, changed->v);
-    return nqm_shading_spec(&shading);
+nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i) {
+    nqm_values values = t->values;
+    for (size_t k = 0; k < t->n_properties; ++k)
+        for (size_t c = 0; c < 3 && t->properties[k].node != NQM_NO_NODE; ++c) {
+            values.v[k][c] = nqm_texture_value(t, k, nqm_smaller(c, t->keys[k].n - 1), rows, i);
+            values.given |= UINT64_C(1) << k;
+        }
+    return values;
+}
+
+char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i) {
+    const nqm_values values = nqm_texture_values(t, rows, i);
+    return t->argument ? nqm_strdup(t->argument) : nqm_values_spec(&values);
 }
 
 char *nqm_texture_tilt(char *spec, const double normal[3]) {
@@ -423,8 +410,8 @@ nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **b
         return nqm_fail_nomem(err, n * sizeof *rows);
     nqm_texture_evaluate(t, 1, &at[0], &at[1], rows);
     nqm_texture_normal(t, rows, 0, normal);
-    char *spec = nqm_texture_spec(t, rows, 0, NULL);
-    nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_shading));
+    char *spec = nqm_texture_spec(t, rows, 0);
+    nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_values));
     nqm_free(spec);
     nqm_free(rows);
     return status;

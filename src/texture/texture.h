@@ -21,7 +21,7 @@ typedef struct nqm_texels {
 
 /** A property of the model. */
 typedef struct nqm_texture_property {
-    const nqm_spec_key *key;
+    const nqm_schema_key *key;
     double v[3];     /* its value where no map changes it */
     uint16_t node;   /* NQM_NO_NODE: none does */
     uint16_t row[3]; /* of each component among those of the nodes */
@@ -31,17 +31,18 @@ typedef struct nqm_texture_property {
 struct nqm_texture {
     char *name, *argument; /* argument: of a BRDF that is none of a shading model; NULL: the shading is the material */
     nqm_materials *materials;
-    nqm_textured *owned;      /* one of both owns `maps` */
-    const nqm_textured *maps; /* NULL: none */
-    nqm_shading shading;
-    nqm_texels *images;       /* (maps->n_images) */
-    double (*constants)[4];   /* (maps->n_nodes) of nodes that do not vary */
-    bool *varies;             /* (maps->n_nodes) */
-    uint16_t *rows, n_rows;   /* (maps->n_nodes) the first row of each node that is needed; NQM_NO_ROW: it is not */
-    uint16_t normal;          /* the node of the normal; NQM_NO_NODE: it does not vary */
-    const nqm_spec_key *keys; /* (n_properties) of the model; NULL with an argument */
+    nqm_textured *owned;        /* one of both owns `maps` */
+    const nqm_textured *maps;   /* NULL: none */
+    nqm_values values;          /* constant ones; schema NULL: an argument */
+    nqm_texels *images;         /* (maps->n_images) */
+    double (*constants)[4];     /* (maps->n_nodes) of nodes that do not vary */
+    bool *varies;               /* (maps->n_nodes) */
+    uint16_t *rows, n_rows;     /* (maps->n_nodes) the first row of each node that is needed; NQM_NO_ROW: it is not */
+    uint16_t normal;            /* the node of the normal; NQM_NO_NODE: it does not vary */
+    const char *model;          /* its name, or the format of the argument */
+    const nqm_schema_key *keys; /* (n_properties) of the model; NULL with an argument */
     size_t n_properties;
-    nqm_texture_property properties[NQM_SPEC_MAX_KEYS];
+    nqm_texture_property properties[NQM_SCHEMA_MAX_KEYS];
     char words[1024];
     char remark[2 * NQM_REMARK_SIZE]; /* that of `maps`, and what nqm_texture_inspect() has found */
 };
@@ -67,8 +68,10 @@ static inline double nqm_texture_value(const nqm_texture *t, size_t property, si
 NQM_MUST_CHECK nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err);
 /** The normal there, a unit vector. Steeper ones than the steepest are that: the surface is seen. */
 void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]);
-/** The spec of the material there, with another value of one property; NULL: of none. nqm_free(); NULL: out of memory. */
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i, const nqm_property *changed);
+/** The values of the material there, of a texture without argument. */
+nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i);
+/** Their spec, or the argument. nqm_free(); NULL: out of memory. */
+char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i);
 /** "tilt:...;of=SPEC" of a spec, which is freed, towards a unit vector; the spec itself where that is the normal. */
 char *nqm_texture_tilt(char *spec, const double normal[3]);
 

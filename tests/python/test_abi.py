@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The structs and constants of python/nqm/_abi.py are those of the public headers: a C program prints sizes, offsets and values. Its
+"""The structs and enums of python/nqm/_abi.py are those of the public headers: a C program prints sizes, offsets and values. Its
 functions have as many arguments as their declarations."""
 import ctypes
 import glob
@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-from nqm import _abi, _score
+from nqm import _abi, _library
 
 SOURCE = os.environ["NQM_SOURCE"]
 HEADERS = sorted(glob.glob(SOURCE + "/include/nqm/*.h"))
@@ -41,35 +41,40 @@ def functions():
 CALL_WITH_NULL = """
 import ctypes, sys
 from nqm import _abi
+from nqm._library import lib
 for line in sys.argv[1:]:
     name, n = line.split(":")
     print(name, end=" ", flush=True)
-    error = _abi.CError()
+    error = _abi.Error()
     arguments = [ctypes.c_void_p(0)] * (int(n) - 1)
-    print(_abi.lib[name](*arguments, ctypes.byref(error)), _abi.lib[name](*arguments, None), error.message.decode(), flush=True)
+    print(lib[name](*arguments, ctypes.byref(error)), lib[name](*arguments, None), error.message.decode(), flush=True)
 """
+
+
+STRUCTS = {re.sub("(?=[A-Z])", "_", name).lower(): value for name, value in vars(_abi).items()
+           if isinstance(value, type) and issubclass(value, ctypes.Structure) and value is not ctypes.Structure}
+STRUCTS = {"nqm" + name: struct for name, struct in STRUCTS.items()}
 
 
 def expected():
     """Lines that the C program must print, with the expressions that print them."""
     rows = []
-    for struct in _abi.STRUCTS:
-        name = struct._c_name_
+    for name, struct in STRUCTS.items():
         rows.append(("sizeof(%s)" % name, ctypes.sizeof(struct)))
         for field, *_ in struct._fields_:
             rows.append(("offsetof(%s, %s)" % (name, field), getattr(struct, field).offset))
             rows.append(("sizeof(((%s *)0)->%s)" % (name, field), getattr(struct, field).size))
     rows += [("NQM_OK" if s == 0 else "NQM_ERR_" + s.name, s.value) for s in _abi.Status]
-    for prefix, names in (("NQM_INVALID_", _abi.INVALID), ("NQM_SCORE_", _abi.QUANTITIES), ("NQM_SCENE_", _abi.SCENES),
-                          ("NQM_SPLIT_", _abi.SPLITS), ("NQM_TABLE_", _abi.TABLES)):
-        rows += [(prefix + name.upper(), i) for i, name in enumerate(names)]
-    return rows + [("NQM_METRIC_COUNT", _abi.N_METRICS), ("NQM_SCORE_BLOCK", _score.BLOCK)]
+    for prefix, words in (("NQM_INVALID_", _abi.InvalidPolicy), ("NQM_SCORE_", _abi.ScoreQuantity), ("NQM_SCENE_", _abi.SceneKind),
+                          ("NQM_SPLIT_", _abi.Split), ("NQM_TABLE_", _abi.TableFormat)):
+        rows += [(prefix + word.name, word.value) for word in words]
+    return rows + [("NQM_METRIC_COUNT", len(_abi.Metric)), ("NQM_SCORE_BLOCK", _abi.SCORE_BLOCK)]
 
 
 # Calls each function in a child with NULL and 0 for every argument and prints the signal that ended it, or 0. Results may be structs.
 CALL_ALL_WITH_NULL = """
 import ctypes, os, sys
-from nqm import _abi
+from nqm._library import lib
 class Result(ctypes.Structure):
     _fields_ = [("x", ctypes.c_char * 4096)]
 for line in sys.argv[1:]:
@@ -77,7 +82,7 @@ for line in sys.argv[1:]:
     child = os.fork()
     if not child:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-        function = _abi.lib[name]
+        function = lib[name]
         function.restype = Result if int(is_struct) else ctypes.c_void_p
         function.argtypes = None
         function(*[ctypes.c_double(0) if d == "1" else ctypes.c_void_p(0) for d in doubles])
@@ -105,18 +110,18 @@ class Abi(unittest.TestCase):
         self.assertEqual(found, rows)
 
     def test_every_member_is_declared(self):
-        text = c_text()
-        for struct in _abi.STRUCTS:
-            body = re.search(r"typedef struct %s \{(.*?)\} %s;" % ((struct._c_name_,) * 2), text, re.S).group(1)
+        found = dict(re.findall(r"typedef struct (\w+) \{(.*?)\} \1;", c_text(), re.S))
+        self.assertEqual(set(found), set(STRUCTS))
+        for struct, body in found.items():
             body = re.sub(r"\(\*(\w+)\)\([^)]*\)", r"\1", body)
             names = [re.search(r"(\w+)\s*(?:\[\w+\])*$", part.strip()).group(1)
                      for line in body.split(";") if line.strip() for part in line.split(",")]
-            self.assertEqual(names, [f[0] for f in struct._fields_], struct._c_name_)
+            self.assertEqual(names, [f[0] for f in STRUCTS[struct]._fields_], struct)
 
     def test_functions(self):
-        declared = {name: (result, arguments) for name, result, arguments in functions()}
+        declared = {name: (result, arguments) for name, result, arguments in functions() if name.startswith("nqm_")}
+        self.assertEqual(set(declared), set(_abi.FUNCTIONS))
         for name, (result, arguments) in _abi.FUNCTIONS.items():
-            self.assertIn(name, declared)
             given = declared[name][1]
             self.assertEqual(0 if given == "void" else given.count(",") + 1, len(arguments), name)
             self.assertEqual(result is None, declared[name][0] == "void", name)
@@ -156,7 +161,7 @@ class Abi(unittest.TestCase):
     def test_version(self):
         text = c_text()
         digits = [re.search(r"NQM_VERSION_%s (\d+)" % part, text).group(1) for part in ("MAJOR", "MINOR", "PATCH")]
-        self.assertEqual(".".join(digits), _abi.VERSION)
+        self.assertEqual(".".join(digits), _library.VERSION)
 
     def test_missing_library(self):
         environment = dict(os.environ, NQM_LIBRARY="/nowhere")

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 SOURCE, LIBRARY = os.environ["NQM_SOURCE"], os.environ["NQM_LIBRARY"]
-CODE = "import nqm; print(nqm._abi.lib._name, nqm.__version__)"
+CODE = "import nqm; print(nqm._library.lib._name, nqm.__version__)"
 
 
 class Install(unittest.TestCase):

@@ -112,6 +112,8 @@ for path in headers:
             if "NQM_API" in head:
                 public.add(name.group(1))
 
+included = set(re.findall(r"<nqm/(\w+\.h)>", open(SOURCE + "/include/nqm/nqm.h").read()))
+faults += ["nqm/nqm.h does not include nqm/" + name for name in set(os.listdir(SOURCE + "/include/nqm")) - included - {"nqm.h"}]
 implements = dict(re.findall(r"^<(nqm/\w+\.h)>\s+(\w+)", open(SOURCE + "/src/LAYERS").read(), re.M))
 rooms = {}  # first word -> rooms
 for (kind, name), short in declared.items():

@@ -31,11 +31,11 @@ static void print_fault(const char *spec) {
 }
 
 static void print_maps(const nqm_textured *t) {
-    nqm_shading whole = t->shading;
-    char *constants = nqm_shading_spec(&whole);
+    nqm_values whole = t->values;
+    char *constants = nqm_values_spec(&whole);
     for (size_t i = 0; i < t->n_outputs; ++i)
-        nqm_shading_set(&whole, t->outputs[i].key, 1, (double[]){0.5});
-    char *spec = nqm_shading_spec(&whole);
+        nqm_values_set(&whole, t->outputs[i].key, 1, (double[]){0.5});
+    char *spec = nqm_values_spec(&whole);
     print_text("constants", constants);
     print_fault(spec);
     nqm_free(constants);

@@ -34,8 +34,8 @@ static double random_value(const char *key, nqm_rng *rng) {
 }
 
 /* is_isotropic: both values of a key with two are equal. */
-static nqm_spec_values random_values(const nqm_spec_schema *schema, bool is_isotropic, nqm_rng *rng) {
-    nqm_spec_values values = {.given = UINT64_MAX};
+static nqm_values random_values(const nqm_schema *schema, bool is_isotropic, nqm_rng *rng) {
+    nqm_values values = {.given = UINT64_MAX};
     for (size_t k = 0; k < schema->n_keys; ++k) {
         for (size_t c = 0; c < schema->keys[k].n; ++c)
             values.v[k][c] = random_value(schema->keys[k].name, rng);
@@ -45,12 +45,13 @@ static nqm_spec_values random_values(const nqm_spec_schema *schema, bool is_isot
     return values;
 }
 
-static nqm_brdf *open_values(const nqm_spec_schema *schema, const nqm_spec_values *values) {
-    nqm_spec_values copy = *values;
+static nqm_brdf *open_values(const nqm_schema *schema, const nqm_values *values) {
+    nqm_values copy = *values;
+    copy.schema = schema;
     for (size_t k = 0; k < schema->n_keys; ++k)
         if (schema->keys[k].n == 1)
             copy.v[k][1] = copy.v[k][2] = copy.v[k][0];
-    char *spec = nqm_spec_format(schema, &copy);
+    char *spec = nqm_values_spec(&copy);
     assert_non_null(spec);
     nqm_brdf *brdf = must_open(spec);
     nqm_free(spec);
@@ -73,9 +74,9 @@ static void draw_pairs(size_t n, nqm_rng *rng, double *wi, double *wo) {
 /* ---- central differences ----------------------------------------------------------------------------------------- */
 
 /* rgb (n, 3) with the parameter (key, channel) moved by `step`. */
-static void eval_moved(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t key, size_t channel,
-                       double step, size_t n, const double *wi, const double *wo, double *rgb) {
-    nqm_spec_values moved = *values;
+static void eval_moved(const nqm_schema *schema, const nqm_values *values, size_t key, size_t channel, double step,
+                       size_t n, const double *wi, const double *wo, double *rgb) {
+    nqm_values moved = *values;
     moved.v[key][channel] += step;
     nqm_brdf *brdf = open_values(schema, &moved);
     nqm_brdf_eval(brdf, n, wi, wo, rgb, NULL);
@@ -83,8 +84,8 @@ static void eval_moved(const nqm_spec_schema *schema, const nqm_spec_values *val
 }
 
 /* (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12h. numeric: (n, 3) */
-static void differences(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t key, size_t channel,
-                        size_t n, const double *wi, const double *wo, double *numeric) {
+static void differences(const nqm_schema *schema, const nqm_values *values, size_t key, size_t channel, size_t n,
+                        const double *wi, const double *wo, double *numeric) {
     static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
     double rgb[3 * N_PAIRS];
     const double h = 2e-5 * fabs(values->v[key][channel]);
@@ -97,7 +98,7 @@ static void differences(const nqm_spec_schema *schema, const nqm_spec_values *va
 }
 
 /* sgd: differences over theta = theta0, where the shadowing begins, are not derivatives. */
-static bool is_near_kink(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t channel, const double *wi,
+static bool is_near_kink(const nqm_schema *schema, const nqm_values *values, size_t channel, const double *wi,
                          const double *wo) {
     const size_t last = schema->n_keys - 1;
     const double theta0 = values->v[last][channel];
@@ -106,7 +107,7 @@ static bool is_near_kink(const nqm_spec_schema *schema, const nqm_spec_values *v
 }
 
 /* Compare all rows. The size of a row is the largest of its entries times their parameters, and the value. */
-static void check_rows(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t n, const double *wi,
+static void check_rows(const nqm_schema *schema, const nqm_values *values, size_t n, const double *wi,
                        const double *wo) {
     static double jacobian[N_PAIRS * 3 * MAX_PARAMETERS], numeric[MAX_PARAMETERS][3 * N_PAIRS];
     double rgb[3 * N_PAIRS], expected[3 * N_PAIRS], scale[MAX_PARAMETERS];
@@ -140,9 +141,9 @@ TEST(test_central_differences) {
     nqm_rng rng = nqm_rng_make(13, 0);
     for (const nqm_analytic_model *const *model = models; *model; ++model)
         for (int repeat = 0; repeat < 12; ++repeat) {
-            const nqm_spec_values values = random_values(&(*model)->schema, repeat % 4 == 0, &rng);
+            const nqm_values values = random_values((*model)->schema, repeat % 4 == 0, &rng);
             draw_pairs(N_PAIRS, &rng, wi, wo);
-            check_rows(&(*model)->schema, &values, N_PAIRS, wi, wo);
+            check_rows((*model)->schema, &values, N_PAIRS, wi, wo);
         }
 }
 
@@ -295,7 +296,7 @@ typedef struct sample_model {
     double a, c[3], b[2];
 } sample_model;
 
-static void sample_prepare(const nqm_spec_values *values, void *state) {
+static void sample_prepare(const nqm_values *values, void *state) {
     sample_model *self = state;
     self->a = values->v[0][0];
     memcpy(self->c, values->v[1], sizeof self->c);
@@ -310,13 +311,15 @@ static void sample_eval(const void *state, size_t n, const double *wi, const dou
                  self->b[0] * self->b[0] * self->b[1];
 }
 
+static const nqm_schema sample_schema = {
+    .model = "sample",
+    .n_keys = 4,
+    .keys = {{.name = "a", .n = 1, .high = 1},
+             {.name = "c", .n = 3, .high = 5},
+             {.name = "b", .n = NQM_KEY_N("float2"), .high = 5},
+             {.name = "azimuth", .n = 1, .low = -1, .high = 1, .role = NQM_ROLE_AZIMUTH}}};
 static const nqm_analytic_model sample = {
-    .schema = {"sample",
-               4,
-               {{.name = "a", .n = 1, .high = 1},
-                {.name = "c", .n = 3, .high = 5},
-                {.name = "b", .n = NQM_KEY_N("float2"), .high = 5},
-                {.name = "turn", .n = 1, .low = -1, .high = 1, .turns = true}}},
+    .schema = &sample_schema,
     .class_ = {.format = "sample", .eval = sample_eval, .jacobian = nqm_spec_jacobian},
     .state_size = sizeof(sample_model),
     .prepare = sample_prepare,
@@ -328,7 +331,8 @@ TEST(test_differences) {
     double wi[3 * N] = {0, 0, 1, 0.6, 0, 0.8, 0.8, 0, 0.6}, rgb[3 * N];
     for (size_t i = 0; i < 3; ++i) {
         double jacobian[3 * N * COLUMNS] = {0};
-        sample_model self = {.spec = {&sample, {.v = {{at[i], at[i], at[i]}, {0, 2, 5}, {2, 3, 3}}}}};
+        sample_model self = {
+            .spec = {&sample, {.schema = &sample_schema, .v = {{at[i], at[i], at[i]}, {0, 2, 5}, {2, 3, 3}}}}};
         sample_prepare(&self.spec.values, &self);
         nqm_spec_jacobian(&self, N, wi, wi, rgb, jacobian);
         for (size_t row = 0; row < 3 * N; ++row) {
@@ -342,8 +346,8 @@ TEST(test_differences) {
 }
 
 TEST(test_what_makes_anisotropic) {
-    const nqm_spec_schema *schema = &sample.schema;
-    assert_true(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}}}));
-    assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 3, 3}}}));
-    assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}, {-0.5}}}));
+    const nqm_schema *s = &sample_schema;
+    assert_true(nqm_values_are_isotropic(&(nqm_values){s, .v = {{1}, {1, 2, 3}, {2, 2, 2}}}));
+    assert_false(nqm_values_are_isotropic(&(nqm_values){s, .v = {{1}, {1, 2, 3}, {2, 3, 3}}}));
+    assert_false(nqm_values_are_isotropic(&(nqm_values){s, .v = {{1}, {1, 2, 3}, {2, 2, 2}, {-0.5}}}));
 }

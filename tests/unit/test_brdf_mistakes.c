@@ -41,9 +41,9 @@ static void make_pairs(double *wi, double *wo) {
 static void evaluate_with(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
     const size_t n = strcspn(spec, ":");
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n);
-    nqm_spec_values values;
+    nqm_values values;
     assert_non_null(model);
-    assert_int_equal(nqm_spec_parse(&model->schema, spec + n + 1, &values, NULL), NQM_OK);
+    assert_int_equal(nqm_values_parse(model->schema, spec + n + 1, &values, NULL), NQM_OK);
     nqm_mistaken_eval(model, &values, &mistakes, N, wi, wo, rgb);
 }
 

@@ -91,7 +91,7 @@ TEST(values_are_those_of_the_metrics) {
 
 /* ---- gradients ---------------------------------------------------------------------------------------------------- */
 
-static double value_at(nqm_fit_objective *objective, const nqm_spec_values *values) {
+static double value_at(nqm_fit_objective *objective, const nqm_values *values) {
     double value;
     assert_int_equal(nqm_fit_objective_value(objective, values, &value, NULL), NQM_OK);
     return value;
@@ -107,7 +107,7 @@ static void check_gradient(const nqm_fit_term *terms, size_t n_terms, const char
     nqm_fit_space space;
     nqm_fit_target target;
     nqm_fit_objective *objective;
-    nqm_spec_values values;
+    nqm_values values;
     double gradient[NQM_FIT_MAX_FREE], x[NQM_FIT_MAX_FREE], lowest[NQM_FIT_MAX_FREE], highest[NQM_FIT_MAX_FREE];
     nqm_brdf *ref = must_open("sgd:blue-rubber");
     snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ":"), at);
@@ -123,7 +123,7 @@ static void check_gradient(const nqm_fit_term *terms, size_t n_terms, const char
     for (size_t k = 0; k < space.n; ++k) {
         if (x[k] - h < lowest[k] || x[k] + h > highest[k])
             continue; /* a default at the end of its range */
-        nqm_spec_values high = values, low = values;
+        nqm_values high = values, low = values;
         const double from = x[k];
         x[k] = from + h;
         nqm_fit_values(&space, x, &high);

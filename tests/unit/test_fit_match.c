@@ -186,7 +186,7 @@ TEST(gradients_are_those_of_differences) {
     const nqm_fit_entry *entry;
     nqm_fit_space space;
     nqm_fit_target target;
-    nqm_spec_values at;
+    nqm_values at;
     assert_int_equal(nqm_fit_entry_find("ggx", &entry, NULL), NQM_OK);
     assert_int_equal(nqm_fit_space_make(entry, &options, &space, NULL), NQM_OK);
     assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
@@ -195,7 +195,7 @@ TEST(gradients_are_those_of_differences) {
     for (int k = 0; k < 3; ++k) {
         nqm_match_visual visual;
         nqm_fit_objective *objective;
-        nqm_spec_values low = at, high = at;
+        nqm_values low = at, high = at;
         double value, below, above, gradient[NQM_FIT_MAX_FREE], x[NQM_FIT_MAX_FREE], expected = 0;
         assert_int_equal(nqm_match_visual_make(models[k], ref, &visual, NULL), NQM_OK);
         const nqm_fit_term terms[] = {{.weight = 1, .loss = NQM_FIT_LOG_COS},

@@ -83,7 +83,7 @@ TEST(coordinates_are_those_of_values) {
         double low[NQM_FIT_MAX_FREE], high[NQM_FIT_MAX_FREE], x[NQM_FIT_MAX_FREE], again[NQM_FIT_MAX_FREE];
         nqm_fit_bounds(&space, low, high);
         for (double at = 0; at <= 1; at += 0.25) {
-            nqm_spec_values values = space.defaults;
+            nqm_values values = space.defaults;
             for (size_t k = 0; k < space.n; ++k)
                 x[k] = low[k] + at * (high[k] - low[k]);
             nqm_fit_values(&space, x, &values);

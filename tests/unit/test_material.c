@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shadings and their specs, and the errors of material files of any format.
+ * Values and their specs, and the errors of material files of any format.
  */
 #include "brdf/brdf.h"
 #include "material/maps.h"
+#include "schema/models.h"
 #include "support/check.h"
 #include "support/material_text.h"
 #include "support/scratch.h"
@@ -11,26 +12,36 @@
 #include <stdarg.h>
 
 TEST(specs_go_there_and_back) {
-    const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5;alpha=.1,.3";
-    nqm_shading shading;
-    assert_int_equal(nqm_shading_parse(text, &shading, NULL), NQM_OK);
-    assert_string_equal(shading.model, "some-model");
-    assert_int_equal(shading.n, 4);
-    assert_int_equal(nqm_shading_find(&shading, "roughness")->n, 1);
-    assert_null(nqm_shading_find(&shading, "rough"));
-    char *spec = nqm_shading_spec(&shading);
-    assert_string_equal(spec, "some-model:base_color=1,1,0.5;roughness=0.1;metalness=0;alpha=0.1,0.3");
+    const char *text = "rough-conductor:k=1,1,.5;alpha=.1,.3;eta=2";
+    nqm_values values;
+    assert_int_equal(nqm_values_parse_spec(text, &values, NULL), NQM_OK);
+    assert_ptr_equal(values.schema, &nqm_rough_conductor_schema);
+    assert_near(nqm_values_given(&values, "eta")[2], 2, 0);
+    assert_null(nqm_values_given(&values, "distribution"));
+    assert_near(values.v[nqm_schema_key_named(values.schema, "specular_reflectance", 20)][1], 1, 0);
+    char *spec = nqm_values_spec(&values);
+    assert_string_equal(spec, "rough-conductor:alpha=0.1,0.3;eta=2;k=1,1,0.5");
     nqm_free(spec);
 }
 
 TEST(other_texts_are_refused) {
-    static const char *const texts[] = {
-        "",      "model", "m:a",     "m:a=",        "m:a=1,",
-        "m:a=x", "m:=",   "m:a=1 b", "m:a=1,2,3,4", "a-model-with-a-name-that-is-too-long:a=1"};
+    static const char *const texts[] = {"",
+                                        "gltf",
+                                        "gltf:ior",
+                                        "gltf:ior=",
+                                        "gltf:ior=1,",
+                                        "gltf:ior=x",
+                                        "gltf:=",
+                                        "gltf:ior=1 b",
+                                        "gltf:base_color=1,1,1,1",
+                                        "gltf:base_color=1,1",
+                                        "gltf:ior=1;ior=1",
+                                        "no-model:a=1",
+                                        "pbrt-conductor:k=1"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
-        nqm_shading shading;
+        nqm_values values;
         nqm_error err;
-        assert_int_equal(nqm_shading_parse(texts[i], &shading, &err), NQM_ERR_ARG);
+        assert_int_equal(nqm_values_parse_spec(texts[i], &values, &err), NQM_ERR_ARG);
     }
 }
 

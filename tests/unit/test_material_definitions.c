@@ -100,13 +100,12 @@ TEST(surfaces_have_the_inputs_of_their_definitions) {
 TEST(models_have_the_same_defaults) {
     for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s) {
         const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
-        nqm_shading shading = {.n = 0};
-        strcpy(shading.model, surface->model);
-        char *bare = nqm_shading_spec(&shading);
+        nqm_values values = nqm_values_of(nqm_schema_find(surface->model, strlen(surface->model)));
+        char *bare = nqm_values_spec(&values);
         for (const nqm_rule *input = surface->inputs; input->name; ++input)
             if (input->key)
-                nqm_shading_set(&shading, input->key, 1, &input->value);
-        char *full = nqm_shading_spec(&shading);
+                nqm_values_set(&values, input->key, 1, &input->value);
+        char *full = nqm_values_spec(&values);
         nqm_brdf *a = must_open(bare), *b = must_open(full);
         assert_string_equal(nqm_brdf_get_info(a).spec, nqm_brdf_get_info(b).spec);
         nqm_brdf_free(a);

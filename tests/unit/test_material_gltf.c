@@ -39,8 +39,7 @@ TEST(requirements_concern_every_material) {
                                     "\"materials\": [{\"name\": \"a\"}, {}]}");
     assert_int_equal(nqm_materials_count(materials), 2);
     for (size_t i = 0; i < 2; ++i)
-        assert_string_equal(nqm_materials_get(materials, i).refusal,
-                            "extensionsRequired: EXT_odd is not known");
+        assert_string_equal(nqm_materials_get(materials, i).refusal, "extensionsRequired: EXT_odd is not known");
     nqm_materials_free(materials);
     materials =
         text_as_materials("x.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": "
@@ -127,15 +126,15 @@ static void check_round_trip(const char *argument, const char *name) {
 TEST(files_give_back_the_same_bits) {
     nqm_rng rng = nqm_rng_make(14, 1);
     for (int i = 0; i < 40; ++i) {
-        nqm_spec_values values = {.given = i == 0 ? 0 : nqm_rng_u64(&rng)};
-        const nqm_spec_schema *schema = &nqm_gltf_model.schema;
+        const nqm_schema *schema = &nqm_gltf_schema;
+        nqm_values values = {.schema = schema, .given = i == 0 ? 0 : nqm_rng_u64(&rng)};
         for (size_t k = 0; k < schema->n_keys; ++k)
             for (size_t c = 0; c < 3; ++c)
                 values.v[k][c] = c && schema->keys[k].n == 1
                                      ? values.v[k][0]
                                      : nqm_rng_uniform(&rng) + (strcmp(schema->keys[k].name, "ior") == 0);
         values.given |= 1;
-        char *spec = nqm_spec_format(schema, &values);
+        char *spec = nqm_values_spec(&values);
         assert_non_null(spec);
         check_round_trip(spec, i % 2 ? "x.gltf" : "x.GLB");
         nqm_free(spec);

@@ -116,15 +116,15 @@ TEST(damaged_included_files_are_errors) {
 /* ---- spectra ----------------------------------------------------------------------------------------------------- */
 
 static void expect_colour(nqm_materials *materials, const char *key, const double expected[3]) {
-    nqm_shading shading;
+    nqm_values values;
     const char *spec = nqm_materials_get(materials, 0).spec;
     if (!spec)
         fail_msg("%s", nqm_materials_get(materials, 0).refusal);
-    assert_int_equal(nqm_shading_parse(spec, &shading, NULL), NQM_OK);
-    const nqm_property *p = nqm_shading_find(&shading, key);
+    assert_int_equal(nqm_values_parse_spec(spec, &values, NULL), NQM_OK);
+    const double *p = nqm_values_given(&values, key);
     assert_non_null(p);
     for (size_t c = 0; c < 3; ++c)
-        assert_near(p->v[c], expected[c], 2.5e-3 * (1 + expected[c]));
+        assert_near(p[c], expected[c], 2.5e-3 * (1 + expected[c]));
     nqm_materials_free(materials);
 }
 

@@ -54,7 +54,7 @@ static void describe(const nqm_textured *maps, const char *key, char found[MAP_T
     if (strcmp(key, "nodes") == 0)
         snprintf(found, MAP_TEXT, "%zu", maps->n_nodes);
     else if (strcmp(key, "constants") == 0) {
-        char *spec = nqm_shading_spec(&maps->shading);
+        char *spec = nqm_values_spec(&maps->values);
         snprintf(found, MAP_TEXT, "%s", spec);
         nqm_free(spec);
     } else if (strcmp(key, "keys") == 0)

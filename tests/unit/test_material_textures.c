@@ -188,17 +188,17 @@ static void check_key(const nqm_textured *t, const char *key, const char *value)
 TEST(lists_have_maps_and_numbers) {
     assert_true(nqm_maps_probe("maps:base_color=a.png") && !nqm_maps_probe("gltf:metallic=1"));
     nqm_textured *t = open_maps("maps:base_color=d/a.JPG;roughness=orm.png:g;metallic=1;ior=1.4;normal=n.png;");
-    assert_string_equal(t->shading.model, "gltf");
+    assert_string_equal(t->values.schema->model, "gltf");
     check_key(t, "base_color", "image(d/a.JPG srgb_texture repeat)");
     check_key(t, "roughness", "channel(image(orm.png repeat) 1)");
     check_key(t, "normal", "normal(image(n.png repeat), 1 1)");
     assert_int_equal(t->n_outputs, 2);
-    assert_near(nqm_shading_find(&t->shading, "metallic")->v[0], 1, 0);
+    assert_near(nqm_values_given(&t->values, "metallic")[0], 1, 0);
     assert_string_equal(t->images[0].path, "d/a.JPG");
     assert_string_equal(t->images[1].path, "orm.png");
     nqm_textured_free(t);
     t = open_maps("maps:model=disney;baseColor=1,0,0.5;roughness=r.exr:a");
-    assert_string_equal(t->shading.model, "disney");
+    assert_string_equal(t->values.schema->model, "disney");
     check_key(t, "roughness", "channel(image(r.exr repeat) 3)");
     nqm_textured_free(t);
     t = open_maps("maps:base_color=linear.exr;normal=n.png:dx");
@@ -270,7 +270,7 @@ static void check_folder(const char *names, const char *expected) {
     assert_string_equal(text, expected);
     const bool has_metal = strstr(expected, "etal") || strstr(expected, "arm");
     describe_map(t, "metallic", found);
-    assert_true(has_metal == (*found != 0) && has_metal == !nqm_shading_find(&t->shading, "metallic"));
+    assert_true(has_metal == (*found != 0) && has_metal == !nqm_values_given(&t->values, "metallic"));
     snprintf(text, sizeof text, "normal(image(%s repeat), %s)", strrchr(expected, ' ') + 1,
              strstr(expected, "dx") ? "1 -1" : "1 1");
     check_key(t, "normal", text);
@@ -336,8 +336,8 @@ TEST(names_of_libraries_and_exporters_are_known) {
         }
         assert_string_equal(t->remark, rows[i].remark);
         describe_map(t, "specular_color", found); /* F0 where the index of refraction is infinite */
-        const nqm_property *ior = nqm_shading_find(&t->shading, "ior");
-        assert_true(*found ? i == 5 && ior && ior->v[0] > 1e6 : i < 5 && !ior);
+        const double *ior = nqm_values_given(&t->values, "ior");
+        assert_true(*found ? i == 5 && ior && *ior > 1e6 : i < 5 && !ior);
         nqm_textured_free(t);
         with_files(rows[i].files, remove_file);
     }

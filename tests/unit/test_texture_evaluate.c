@@ -103,7 +103,7 @@ TEST(operations_are_those_of_the_reference) {
         node.in[0] = in, node.in[1] = constant, node.in[2] = sum, node.in[3] = constant;
         const uint16_t last = nqm_graph_add(maps, node);
         nqm_graph_output_set(maps, "base_color", last);
-        snprintf(maps->shading.model, sizeof maps->shading.model, "gltf");
+        maps->values = nqm_values_of(&nqm_gltf_schema);
         nqm_texture other = {.name = t->name, .owned = maps, .maps = maps, .images = t->images};
         assert_int_equal(nqm_texture_prepare(&other, NULL), NQM_OK);
         /* Grey: all channels of the image are 0.2 at this position. */

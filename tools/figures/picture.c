@@ -3,6 +3,7 @@
  * Pictures and maps to files: tone curve, sRGB, viridis, averaging, and the format by the file name.
  */
 #include "figures/picture.h"
+#include "base/names.h"
 #include "io/io.h"
 #include "io/raster.h"
 #include "math/math.h"
@@ -118,11 +119,6 @@ static nqm_status write_linear(const char *path, const nqm_picture *p, size_t su
     nqm_status status = (nqm_name_ends_in(path, ".exr") ? nqm_image_write_exr : nqm_image_write_hdr)(path, &image, err);
     nqm_free(image.rgb);
     return status;
-}
-
-bool nqm_name_ends_in(const char *path, const char *suffix) {
-    size_t n = strlen(path), n_suffix = strlen(suffix);
-    return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
 }
 
 /* The smallest of 1, 2, 5 times a power of ten that divides [0, length] into at most five parts. */

@@ -8,9 +8,6 @@
 
 #include "base/base.h"
 
-/** Whether a file name ends in `suffix` (any case) and has something before it. */
-bool nqm_name_ends_in(const char *path, const char *suffix);
-
 /** A picture in linear RGB, or a map of colour differences. */
 typedef struct nqm_picture {
     size_t width, height; /**< pixels, 1 to 8192 x 4096 */

@@ -22,20 +22,6 @@ nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_err
 /** The same of such an argument; NULL and NQM_OK: it is not textured. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 
-/** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has
- *  their values. */
-nqm_status visit_texels(const nqm_texture *texture, size_t max_n, nqm_texels_visitor *visit, void *user,
-                        nqm_error *err);
-
-/** Receives the values of a texture at evaluated position i, and writes a texel of so many bytes as the picture has channels. */
-typedef void texel_writer(void *user, const float *rows, size_t i, unsigned char *out);
-/** Write texels at the centres of the pixels of one period of the texture, of which tiles[0] x tiles[1] are its whole. picture: of
- *  bytes, with width, height and channels; receives pixels, nqm_raster_clear() it. */
-nqm_status write_texels(const nqm_texture *texture, const size_t tiles[2], texel_writer *write, void *user,
-                        nqm_raster *picture, nqm_error *err);
-/** 0 to 1 as a byte. */
-unsigned char unit_byte(double v);
-
 /** Options of verbs that make pictures. */
 typedef struct view_args {
     uint64_t tiles, texels;

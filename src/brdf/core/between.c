@@ -38,8 +38,8 @@ static void between_eval(const void *state, size_t n, const double *hd, const do
     }
 }
 
-static nqm_status create(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
-                         void **self_ret, nqm_error *err) {
+static nqm_status create(const nqm_values *values, const nqm_between_bases *bases, nqm_brdf_info *info, void **self_ret,
+                         nqm_error *err) {
     (void)bases, (void)info;
     between *self = *self_ret = nqm_alloc(1, sizeof *self);
     if (!self)

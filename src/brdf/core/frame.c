@@ -69,7 +69,7 @@ static nqm_status make(const double *axes, bool is_base, void **state_ret, nqm_e
     return NQM_OK;
 }
 
-static nqm_status create_rotated(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
+static nqm_status create_rotated(const nqm_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
                                  void **state_ret, nqm_error *err) {
     const double angle = DEGREE * values->v[DEG][0], s = sin(angle), c = cos(angle);
     (void)bases;
@@ -84,7 +84,7 @@ static void tilted_axes(double x, double y, double s, double c, double axes[9]) 
     memcpy(axes, rows, sizeof rows);
 }
 
-static nqm_status create_tilted(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
+static nqm_status create_tilted(const nqm_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
                                 void **state_ret, nqm_error *err) {
     const double angle = DEGREE * values->v[DEG][0], azimuth = DEGREE * values->v[AZIMUTH][0];
     double axes[9];

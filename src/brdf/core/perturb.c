@@ -264,8 +264,8 @@ static void hue_row(double angle, double row[3]) {
     row[2] = (1 - c) / 3 + s;
 }
 
-static nqm_status create(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
-                         void **self_ret, nqm_error *err) {
+static nqm_status create(const nqm_values *values, const nqm_between_bases *bases, nqm_brdf_info *info, void **self_ret,
+                         nqm_error *err) {
     const double degree = NQM_PI / 180;
     const size_t n_cells = values->v[NOISE][0] > 0 ? (size_t)values->v[CELLS][0] : 0;
     const size_t n_lattice = n_cells ? 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1) : 0;

@@ -22,20 +22,19 @@ static const char *spec_of(const nqm_brdf *brdf) {
 }
 
 /* nqm_free(); NULL when out of memory. */
-static char *canonical_spec(const nqm_spec_schema *schema, const nqm_spec_values *values,
-                            const nqm_between_bases *bases) {
+static char *canonical_spec(const nqm_values *values, const nqm_between_bases *bases) {
     const char *of = spec_of(bases->of), *with = bases->with ? spec_of(bases->with) : "";
-    char *own = nqm_spec_format(schema, values);
+    char *own = nqm_values_spec(values);
     char *spec = own ? nqm_strdupf("%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of) : NULL;
     nqm_free(own);
     return spec;
 }
 
 /* name NULL: the spec. Owned bases are freed also on failure. */
-static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values, const nqm_between_bases *bases,
+static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_values *values, const nqm_between_bases *bases,
                        const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_brdf_info *of = &bases->of->info, *with = bases->with ? &bases->with->info : NULL;
-    char layout[160], remark[NQM_REMARK_SIZE] = "", *spec = canonical_spec(&w->schema, values, bases);
+    char layout[160], remark[NQM_REMARK_SIZE] = "", *spec = canonical_spec(values, bases);
     nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout, .remark = remark};
     info.source_doi = with ? NULL : of->source_doi;
     info.reciprocal = of->reciprocal && (!with || with->reciprocal);
@@ -59,8 +58,8 @@ static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values,
     return status;
 }
 
-static nqm_status parse(const nqm_spec_wrapper *w, const char *settings, nqm_spec_values *values, nqm_error *err) {
-    nqm_status status = nqm_spec_parse(&w->schema, settings, values, err);
+static nqm_status parse(const nqm_spec_wrapper *w, const char *settings, nqm_values *values, nqm_error *err) {
+    nqm_status status = nqm_values_parse(&w->schema, settings, values, err);
     if (status == NQM_OK && !(values->given & ~w->idle))
         status = nqm_fail(err, NQM_ERR_ARG, -1,
                           "%s: nothing is changed: give scale, tint, gloss, peak, ... before 'of='", w->schema.model);
@@ -69,7 +68,7 @@ static nqm_status parse(const nqm_spec_wrapper *w, const char *settings, nqm_spe
 
 nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const nqm_between_bases *bases,
                             nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_spec_values values;
+    nqm_values values;
     *brdf_ret = NULL;
     nqm_status status = parse(w, settings, &values, err);
     if (status == NQM_OK)
@@ -124,7 +123,7 @@ static nqm_status open_bases(const char *of, const char *with, nqm_brdf_opener *
 
 nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name, nqm_brdf_opener *open,
                             nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_spec_values values;
+    nqm_values values;
     nqm_between_bases bases;
     const char *of = NULL, *with = NULL;
     char *text = nqm_strdup(settings);

@@ -26,7 +26,7 @@ typedef struct lambert {
     double f[3];
 } lambert;
 
-static void lambert_prepare(const nqm_spec_values *values, void *state) {
+static void lambert_prepare(const nqm_values *values, void *state) {
     lambert *self = state;
     for (int c = 0; c < 3; ++c)
         self->f[c] = values->v[0][c] / NQM_PI;
@@ -50,7 +50,7 @@ static void lambert_jacobian(const void *state, size_t n, const double *wi, cons
 }
 
 const nqm_analytic_model nqm_lambert_model = {
-    .schema = {"lambert", 1, {{.name = "kd", .n = 3, .low = 0, .high = 10, .required = true}}},
+    .schema = &nqm_lambert_schema,
     .class_ =
         {.format = "lambert", .reciprocal = 1, .eval = lambert_eval, .jacobian = lambert_jacobian, .free = nqm_free},
     .state_size = sizeof(lambert),
@@ -68,7 +68,7 @@ typedef struct ggx {
 
 enum { GGX_KS = 3, GGX_ALPHA = 6, GGX_F0 = 8, GGX_N = 11 }; /* columns of the derivatives; kd begins at 0 */
 
-static void ggx_prepare(const nqm_spec_values *values, void *state) {
+static void ggx_prepare(const nqm_values *values, void *state) {
     ggx *self = state;
     for (int c = 0; c < 3; ++c) {
         self->diffuse[c] = values->v[0][c] / NQM_PI;
@@ -137,12 +137,12 @@ INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const doubl
 NQM_EVAL_AND_JACOBIAN(ggx, ggx_values, state)
 
 const nqm_analytic_model nqm_ggx_model = {
-    .schema = {"ggx",
-               4,
-               {{.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0},
-                {.name = "ks", .n = 3, .low = 0, .high = 1e6, .fallback = 1},
-                {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true},
-                {.name = "f0", .n = 3, .low = 0, .high = 1, .fallback = 0.04}}},
+    .schema = &(const nqm_schema){.model = "ggx",
+                                  .n_keys = 4,
+                                  .keys = {{.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0},
+                                           {.name = "ks", .n = 3, .low = 0, .high = 1e6, .fallback = 1},
+                                           {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true},
+                                           {.name = "f0", .n = 3, .low = 0, .high = 1, .fallback = 0.04}}},
     .doi = "10.2312/EGWR/EGSR07/195-206",
     .class_ = {.format = "ggx",
                .reciprocal = 1,
@@ -173,7 +173,7 @@ typedef struct lobe {
 
 /** Fill the state from a schema that begins with kd, ks, whose other values become the shape; `factor` is the constant part
  *  of L. */
-static lobe make_lobe(const nqm_spec_values *values, double factor) {
+static lobe make_lobe(const nqm_values *values, double factor) {
     lobe made = {.factor = factor};
     for (size_t c = 0; c < 3; ++c) {
         made.diffuse[c] = values->v[KD][c] / NQM_PI;
@@ -186,7 +186,7 @@ static lobe make_lobe(const nqm_spec_values *values, double factor) {
 
 /** The first key has n_first values, 1 or 2, with which the shape begins: widths alpha; the shape has 1 / alpha^2, and `factor` is
  *  proportional to the square root of the product of both. */
-static lobe make_lobe_of_width(const nqm_spec_values *values, size_t n_first, double factor) {
+static lobe make_lobe_of_width(const nqm_values *values, size_t n_first, double factor) {
     lobe made = make_lobe(values, factor);
     made.shape[n_first] = values->v[FIRST_SHAPE + 1][0];
     for (size_t k = 0; k < n_first; ++k) {
@@ -200,7 +200,7 @@ static lobe make_lobe_of_width(const nqm_spec_values *values, size_t n_first, do
 
 /** The same of exponents n of cos theta_h; the shape has -n / 2, and the factor is the geometric mean of n + offset,
  *  over divisor. */
-static lobe make_lobe_of_exponent(const nqm_spec_values *values, size_t n_first, double offset, double divisor) {
+static lobe make_lobe_of_exponent(const nqm_values *values, size_t n_first, double offset, double divisor) {
     const double *n = values->v[FIRST_SHAPE];
     lobe made = make_lobe(values, sqrt((n[0] + offset) * (n[1] + offset)) / divisor);
     made.shape[n_first] = values->v[FIRST_SHAPE + 1][0];
@@ -274,14 +274,15 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
 /** Define the model MODEL with the lobe function LOBE of N_SHAPE values; MADE is its state for `values`, and the
  *  variadic arguments are its keys after kd and ks. */
 #define LOBE_MODEL(MODEL, NAME, DOI, LOBE, MADE, N_SHAPE, ...)                                                         \
-    static void LOBE##_prepare(const nqm_spec_values *values, void *state) {                                           \
+    static void LOBE##_prepare(const nqm_values *values, void *state) {                                                \
         *(lobe *)state = MADE;                                                                                         \
     }                                                                                                                  \
     NQM_EVAL_AND_JACOBIAN(LOBE, lobe_values, (lobe_kind){LOBE, N_SHAPE}, state)                                        \
     const nqm_analytic_model MODEL = {                                                                                 \
-        .schema = {NAME,                                                                                               \
-                   sizeof((nqm_spec_key[]){LOBE_KEYS, __VA_ARGS__}) / sizeof(nqm_spec_key),                            \
-                   {LOBE_KEYS, __VA_ARGS__}},                                                                          \
+        .schema =                                                                                                      \
+            &(const nqm_schema){.model = NAME,                                                                         \
+                                .n_keys = sizeof((nqm_schema_key[]){LOBE_KEYS, __VA_ARGS__}) / sizeof(nqm_schema_key), \
+                                .keys = {LOBE_KEYS, __VA_ARGS__}},                                                     \
         .doi = DOI,                                                                                                    \
         .class_ = {.format = NAME,                                                                                     \
                    .reciprocal = 1,                                                                                    \
@@ -295,13 +296,13 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
 
 /* ---- Ward -------------------------------------------------------------------------------------------------------- */
 
-static lobe make_ward_duer(const nqm_spec_values *values) {
+static lobe make_ward_duer(const nqm_values *values) {
     const double *alpha = values->v[FIRST_SHAPE];
     return make_lobe_of_width(values, 2, 1 / (4 * NQM_PI * alpha[0] * alpha[1]));
 }
 
 /* One division instead of a product with the factor: rounded as in earlier versions. */
-static lobe make_ward(const nqm_spec_values *values) {
+static lobe make_ward(const nqm_values *values) {
     const double *alpha = values->v[FIRST_SHAPE];
     lobe made = make_ward_duer(values);
     for (size_t c = 0; c < 3; ++c)
@@ -355,7 +356,7 @@ enum { CXY = FIRST_SHAPE, CZ, EXPONENT };
 
 /* Only the ratio of the coefficients matters: they are scaled so that the larger is 1. The shape of the larger is always 0,
  * so its derivatives are 0. */
-static lobe make_lafortune(const nqm_spec_values *values) {
+static lobe make_lafortune(const nqm_values *values) {
     double cxy = values->v[CXY][0], cz = values->v[CZ][0], n = values->v[EXPONENT][0];
     double largest = fmax(-cxy, cz);
     lobe made = make_lobe(values, (n + 2) / (2 * NQM_PI));
@@ -439,7 +440,7 @@ INLINED double beckmann_lobe(half_angles h, double inverse_alpha2, reflectance f
     return value * f.value;
 }
 
-static lobe make_cook_torrance(const nqm_spec_values *values, double factor) {
+static lobe make_cook_torrance(const nqm_values *values, double factor) {
     double alpha = values->v[FIRST_SHAPE][0];
     return make_lobe_of_width(values, 1, factor / (alpha * alpha));
 }
@@ -500,7 +501,7 @@ LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10
 
 /* ---- the two models of Low et al. -------------------------------------------------------------------------------- */
 
-static lobe make_abc(const nqm_spec_values *values, double factor) {
+static lobe make_abc(const nqm_values *values, double factor) {
     lobe made = make_lobe(values, factor);
     made.shape[1] = -made.shape[1];
     made.d_shape[1][1] = -1;

@@ -318,7 +318,7 @@ INLINED closure zeltner_sheen(const geometry *g, double weight, const double *co
 }
 
 /** Define a shading model whose value at one pair of directions is evaluate() of its file. */
-#define CLOSURE_MODEL(MODEL, NAME, KEYS, STATE)                                                                        \
+#define CLOSURE_MODEL(NAME, SPEC, STATE)                                                                               \
     static void eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {                   \
         for (size_t i = 0; i < n; ++i) {                                                                               \
             const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);                                                    \
@@ -326,6 +326,6 @@ INLINED closure zeltner_sheen(const geometry *g, double weight, const double *co
             memcpy(rgb + 3 * i, result.f, sizeof result.f);                                                            \
         }                                                                                                              \
     }                                                                                                                  \
-    NQM_SHADING_MODEL(MODEL, NAME, KEYS, STATE, prepare, eval, 0)
+    NQM_SHADING_MODEL(NAME, SPEC, STATE, prepare, eval, 0)
 
 #endif

@@ -39,7 +39,7 @@ static double cosine_at(double theta) {
 
 /* Find the limits of the band: 1 - G = lambda (exp(y) - 1) with y = c x^k is below the rounding error of 1 up to y_one,
  * and reaches 1 at y_zero. */
-static shadowing make_shadowing(const nqm_spec_values *values, int channel) {
+static shadowing make_shadowing(const nqm_values *values, int channel) {
     shadowing g = {.theta0 = values->v[THETA0][channel],
                    .lambda = values->v[LAMBDA][channel],
                    .log_c = log(values->v[C][channel]),
@@ -76,7 +76,7 @@ INLINED shadow shadow_at(const shadowing *s, double cosine, double theta, bool s
     return at;
 }
 
-static void sgd_prepare(const nqm_spec_values *values, void *state) {
+static void sgd_prepare(const nqm_values *values, void *state) {
     sgd *self = state;
     memcpy(self->v, values->v, sizeof self->v);
     for (int c = 0; c < 3; ++c) {
@@ -148,19 +148,20 @@ INLINED void sgd_values(const sgd *self, size_t n, const double *wi, const doubl
 NQM_EVAL_AND_JACOBIAN(sgd, sgd_values, state)
 
 const nqm_analytic_model nqm_sgd_model = {
-    .schema = {"sgd",
-               N_KEYS,
-               {[KD] = {.name = "kd", .n = 3, .low = 0, .high = 10, .required = true},
-                [KS] = {.name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true},
-                [ALPHA] = {.name = "alpha", .n = 3, .low = 1e-6, .high = 10, .required = true},
-                [P] = {.name = "p", .n = 3, .low = 0, .high = 10, .required = true},
-                [F0] = {.name = "f0", .n = 3, .low = 0, .high = 100, .required = true},
-                [F1] = {.name = "f1", .n = 3, .low = -100, .high = 100, .required = true},
-                [K_NORM] = {.name = "K", .n = 3, .low = 0, .high = 1e9, .required = true},
-                [LAMBDA] = {.name = "lambda", .n = 3, .low = 1e-12, .high = 1e12, .required = true},
-                [C] = {.name = "c", .n = 3, .low = 1e-300, .high = 1e300, .required = true},
-                [K_POWER] = {.name = "k", .n = 3, .low = 0.1, .high = 1e4, .required = true},
-                [THETA0] = {.name = "theta0", .n = 3, .low = -4, .high = 4, .required = true}}},
+    .schema = &(
+        const nqm_schema){.model = "sgd",
+                          .n_keys = N_KEYS,
+                          .keys = {[KD] = {.name = "kd", .n = 3, .low = 0, .high = 10, .required = true},
+                                   [KS] = {.name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true},
+                                   [ALPHA] = {.name = "alpha", .n = 3, .low = 1e-6, .high = 10, .required = true},
+                                   [P] = {.name = "p", .n = 3, .low = 0, .high = 10, .required = true},
+                                   [F0] = {.name = "f0", .n = 3, .low = 0, .high = 100, .required = true},
+                                   [F1] = {.name = "f1", .n = 3, .low = -100, .high = 100, .required = true},
+                                   [K_NORM] = {.name = "K", .n = 3, .low = 0, .high = 1e9, .required = true},
+                                   [LAMBDA] = {.name = "lambda", .n = 3, .low = 1e-12, .high = 1e12, .required = true},
+                                   [C] = {.name = "c", .n = 3, .low = 1e-300, .high = 1e300, .required = true},
+                                   [K_POWER] = {.name = "k", .n = 3, .low = 0.1, .high = 1e4, .required = true},
+                                   [THETA0] = {.name = "theta0", .n = 3, .low = -4, .high = 4, .required = true}}},
     .doi = "10.1111/j.1467-8659.2012.03147.x",
     .class_ = {.format = "sgd", .reciprocal = 1, .eval = sgd_eval, .jacobian = sgd_jacobian, .free = nqm_free},
     .state_size = sizeof(sgd),

@@ -12,29 +12,7 @@
 #include "principled_energy_table.h" /* generated from presets/principled_energy.txt */
 #include "sheen_ltc_table.h"         /* generated from presets/sheen_ltc.txt */
 
-/* clang-format off */
-#define KEYS(X)                                                                \
-    X(BASE_COLOR, "base_color", "color3", 0, 1, 0.8)                           \
-    X(METALLIC, "metallic", "float", 0, 1, 0)                                  \
-    X(ROUGHNESS, "roughness", "float", 0, 1, 0.5)                              \
-    X(IOR, "ior", "float", 0.01, 1000, 1.5)                                    \
-    X(DIFFUSE_ROUGHNESS, "diffuse_roughness", "float", 0, 1, 0)                \
-    X(SPECULAR_IOR_LEVEL, "specular_ior_level", "float", 0, 1, 0.5)            \
-    X(SPECULAR_TINT, "specular_tint", "color3", 0, 1000, 1)                    \
-    X(ANISOTROPIC, "anisotropic", "float", 0, 1, 0, .turns = true)             \
-    X(ANISOTROPIC_ROTATION, "anisotropic_rotation", "float", -1000, 1000, 0, .turns = true) \
-    X(COAT_WEIGHT, "coat_weight", "float", 0, 1, 0)                            \
-    X(COAT_ROUGHNESS, "coat_roughness", "float", 0, 1, 0.03)                   \
-    X(COAT_IOR, "coat_ior", "float", 1, 4, 1.5)                                \
-    X(COAT_TINT, "coat_tint", "color3", 0, 1, 1)                               \
-    X(SHEEN_WEIGHT, "sheen_weight", "float", 0, 1, 0)                          \
-    X(SHEEN_ROUGHNESS, "sheen_roughness", "float", 0, 1, 0.5)                  \
-    X(SHEEN_TINT, "sheen_tint", "color3", 0, 1, 1)                             \
-    X(THIN_FILM_THICKNESS, "thin_film_thickness", "float", 0, 100000, 0)       \
-    X(THIN_FILM_IOR, "thin_film_ior", "float", 1, 1000, 1.33)                  \
-    X(MULTISCATTER, "multiscatter", "integer", 0, 1, 1)
-/* clang-format on */
-enum { KEYS(NQM_KEY_INDEX) N_KEYS };
+enum { NQM_BLENDER_KEYS(NQM_KEY_INDEX) N_KEYS };
 
 enum { N_E = 32, N_S = 16 };
 
@@ -227,7 +205,7 @@ static void add_dielectric(stack *s, const blender *self) {
     cover(s, albedo);
 }
 
-static void prepare(const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_values *values, void *state) {
     blender *self = state;
     const double(*v)[3] = values->v, roughness2 = v[ROUGHNESS][0] * v[ROUGHNESS][0], ior = v[IOR][0];
     const double aspect = sqrt(1 - 0.9 * v[ANISOTROPIC][0]), level = v[SPECULAR_IOR_LEVEL][0];
@@ -268,4 +246,4 @@ static closure evaluate(const void *state, const geometry *g) {
     return result;
 }
 
-CLOSURE_MODEL(nqm_blender_model, "blender-principled", KEYS, blender);
+CLOSURE_MODEL(blender, "blender-principled", blender);

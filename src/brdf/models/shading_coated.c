@@ -15,15 +15,7 @@
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
 
-/* clang-format off */
-#define KEYS(X)                                                                \
-    X(ROUGHNESS, "roughness", "float", 1e-6, 4, 0, .required = true)           \
-    X(ETA, "eta", "float", 1.01, 4, 1.5)                                       \
-    X(REFLECTANCE, "reflectance", "color3", 0, 1, 0.5)                         \
-    X(THICKNESS, "thickness", "float", 0, 100, 0.01)                           \
-    X(MAX_DEPTH, "maxdepth", "integer", 1, 1000, 10)
-/* clang-format on */
-enum { KEYS(NQM_KEY_INDEX) };
+enum { NQM_COATED_KEYS(NQM_KEY_INDEX) };
 
 enum { N_COSINES = 96, N_RADII = 40, N_AZIMUTHS = 12, N_RETURNS = 96 };
 
@@ -46,7 +38,7 @@ static double weights(double alpha2, double eta, double cosine, double c, double
 
 /* The mean over the visible normals of what goes on through the interface, or is reflected by it, and across the gap;
  * eta: beyond the interface relative to the side of the light. */
-static double pass(const nqm_spec_values *values, double cosine, double eta, way leg) {
+static double pass(const nqm_values *values, double cosine, double eta, way leg) {
     const double alpha2 = values->v[ROUGHNESS][0], alpha = sqrt(alpha2), gap = values->v[THICKNESS][0];
     const double wo[3] = {sqrt(fmax(0, 1 - cosine * cosine)), 0, cosine}, hidden = 1 + smith_lambda(alpha2, cosine);
     double sum = 0;
@@ -69,7 +61,7 @@ static double pass(const nqm_spec_values *values, double cosine, double eta, way
     return sum / (N_RADII * N_AZIMUTHS);
 }
 
-static void coated_prepare(const nqm_spec_values *values, void *state) {
+static void coated_prepare(const nqm_values *values, void *state) {
     coated *self = state;
     const double eta = values->v[ETA][0], n_bounces = floor((values->v[MAX_DEPTH][0] + 1) / 2);
     double returned = 0;
@@ -108,4 +100,4 @@ static void coated_eval(const void *state, size_t n, const double *wi, const dou
     }
 }
 
-NQM_SHADING_MODEL(nqm_coated_model, "pbrt-coated-diffuse", KEYS, coated, coated_prepare, coated_eval, 0);
+NQM_SHADING_MODEL(coated, "pbrt-coated-diffuse", coated, coated_prepare, coated_eval, 0);

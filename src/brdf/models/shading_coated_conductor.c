@@ -18,17 +18,7 @@
 
 #include <string.h>
 
-/* clang-format off */
-#define KEYS(X)                                                                \
-    X(INTERFACE_ROUGHNESS, "interface.roughness", "float", 0, 4, 0)            \
-    X(INTERFACE_ETA, "interface.eta", "float", 1.01, 4, 1.5)                   \
-    X(CONDUCTOR_ROUGHNESS, "conductor.roughness", "float", 0, 4, 0)            \
-    X(CONDUCTOR_ETA, "conductor.eta", "color3", 0, 20, 0, .required = true)    \
-    X(CONDUCTOR_K, "conductor.k", "color3", 0, 200, 0, .required = true)       \
-    X(THICKNESS, "thickness", "float", 0, 100, 0.01)                           \
-    X(MAX_DEPTH, "maxdepth", "integer", 1, 1000, 10)
-/* clang-format on */
-enum { KEYS(NQM_KEY_INDEX) };
+enum { NQM_COATED_CONDUCTOR_KEYS(NQM_KEY_INDEX) };
 
 enum {
     N_WALKS = 61,  /* a prime, for the lattice */
@@ -250,7 +240,7 @@ static double series(const coated *self, const double sums[N_ORDERS][3], size_t 
     return sum / (N_WALKS * self->eta * self->eta);
 }
 
-static void coated_prepare(const nqm_spec_values *values, void *state) {
+static void coated_prepare(const nqm_values *values, void *state) {
     coated *self = state;
     const double(*v)[3] = values->v;
     const size_t keys[] = {INTERFACE_ROUGHNESS, CONDUCTOR_ROUGHNESS};
@@ -308,4 +298,4 @@ static void coated_eval(const void *state, size_t n, const double *wi, const dou
     }
 }
 
-NQM_SHADING_MODEL(nqm_coated_conductor_model, "pbrt-coated-conductor", KEYS, coated, coated_prepare, coated_eval, 0);
+NQM_SHADING_MODEL(coated_conductor, "pbrt-coated-conductor", coated, coated_prepare, coated_eval, 0);

@@ -45,17 +45,9 @@ static void set_index(conductor *self, const double *eta, const double *k, const
 
 /* ---- Mitsuba 3 --------------------------------------------------------------------------------------------------- */
 
-/* clang-format off */
-#define MITSUBA_KEYS(X)                                                        \
-    X(ALPHA, "alpha", "float2", 1e-4, 2, 0.1)                                  \
-    X(DISTRIBUTION, "distribution", "integer", 0, 1, 0)                        \
-    X(ETA, "eta", "color3", 0, 20, 0)                                          \
-    X(K, "k", "color3", 0, 20, 1)                                              \
-    X(SPECULAR_REFLECTANCE, "specular_reflectance", "color3", 0, 1, 1)
-/* clang-format on */
-enum { MITSUBA_KEYS(NQM_KEY_INDEX) };
+enum { NQM_ROUGH_CONDUCTOR_KEYS(NQM_KEY_INDEX) };
 
-static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
+static void mitsuba_prepare(const nqm_values *values, void *state) {
     conductor *self = state;
     self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
     self->is_correlated = false;
@@ -64,27 +56,20 @@ static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
     set_index(self, values->v[ETA], values->v[K], values->v[SPECULAR_REFLECTANCE]);
 }
 
-NQM_SHADING_MODEL(nqm_rough_conductor_model, "rough-conductor", MITSUBA_KEYS, conductor, mitsuba_prepare,
-                  conductor_eval, 1);
+NQM_SHADING_MODEL(rough_conductor, "rough-conductor", conductor, mitsuba_prepare, conductor_eval, 1);
 
 /* ---- pbrt-v4 ----------------------------------------------------------------------------------------------------- */
 
 /* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror (in both directions; in one, pbrt has
  * lobes down to an alpha of 1e-4, which are refused). The defaults are copper's, as in pbrt, of which a key can have one value
  * only: they are required. */
-/* clang-format off */
-#define PBRT_KEYS(X)                                                           \
-    X(PBRT_ROUGHNESS, "roughness", "float2", 1e-6, 4, 0, .required = true)     \
-    X(PBRT_ETA, "eta", "color3", 0, 20, 0, .required = true)                   \
-    X(PBRT_K, "k", "color3", 0, 200, 0, .required = true)
-/* clang-format on */
-enum { PBRT_KEYS(NQM_KEY_INDEX) };
+enum { NQM_PBRT_CONDUCTOR_KEYS(NQM_KEY_INDEX) };
 
-static void pbrt_prepare(const nqm_spec_values *values, void *state) {
+static void pbrt_prepare(const nqm_values *values, void *state) {
     conductor *self = state;
     self->is_ggx = self->is_correlated = true;
     self->widths = (widths){values->v[PBRT_ROUGHNESS][0], values->v[PBRT_ROUGHNESS][1]};
     set_index(self, values->v[PBRT_ETA], values->v[PBRT_K], NULL);
 }
 
-NQM_SHADING_MODEL(nqm_pbrt_conductor_model, "pbrt-conductor", PBRT_KEYS, conductor, pbrt_prepare, conductor_eval, 1);
+NQM_SHADING_MODEL(pbrt_conductor, "pbrt-conductor", conductor, pbrt_prepare, conductor_eval, 1);

@@ -20,7 +20,7 @@ typedef struct disney {
 
 static const double SHEEN_ROUGHNESS = 0.3; /* the default of the node sheen_bsdf */
 
-static void prepare(const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_values *values, void *state) {
     disney *self = state;
     self->base = roughness_anisotropy(values->v[ROUGHNESS][0], values->v[ANISOTROPIC][0], 0);
     self->coat = round_lobe(1 - values->v[CLEARCOAT_GLOSS][0]);
@@ -46,4 +46,4 @@ static closure evaluate(const void *state, const geometry *g) {
     return result;
 }
 
-CLOSURE_MODEL(nqm_disney_model, "disney", NQM_DISNEY_KEYS, disney);
+CLOSURE_MODEL(disney, "disney", disney);

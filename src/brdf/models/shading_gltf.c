@@ -104,7 +104,7 @@ static void add_sheen(const sheen *self, const half_angles *h, double cos_i, dou
 
 /* ---- the material ------------------------------------------------------------------------------------------------ */
 
-static void gltf_prepare(const nqm_spec_values *values, void *state) {
+static void gltf_prepare(const nqm_values *values, void *state) {
     gltf *self = state;
     const double ior = values->v[IOR][0], r = (ior - 1) / (ior + 1), specular = values->v[SPECULAR][0];
     const double alpha = fmax(MIN_ALPHA, values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0]);
@@ -180,4 +180,4 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
 }
 
 /* An index of 0 means a Fresnel factor of 1, as in the specification; the formula gives that. */
-NQM_SHADING_MODEL(nqm_gltf_model, "gltf", NQM_GLTF_KEYS, gltf, gltf_prepare, gltf_eval, 0);
+NQM_SHADING_MODEL(gltf, "gltf", gltf, gltf_prepare, gltf_eval, 0);

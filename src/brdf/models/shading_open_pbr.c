@@ -40,7 +40,7 @@ static double under_coat(const double *v, double base, double coat_color) {
     return clamp01(darkening) * clamp01(1 + coat * (coat_color - 1));
 }
 
-static void prepare(const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_values *values, void *state) {
     double v[N_KEYS];
     for (size_t k = 0; k < N_KEYS; ++k)
         v[k] = values->v[k][0];
@@ -105,4 +105,4 @@ static closure evaluate(const void *state, const geometry *g) {
     return result;
 }
 
-CLOSURE_MODEL(nqm_open_pbr_model, "open-pbr", NQM_OPEN_PBR_KEYS, open_pbr);
+CLOSURE_MODEL(open_pbr, "open-pbr", open_pbr);

@@ -13,16 +13,7 @@
 #include "brdf/models/microfacet.h"
 #include "rough_plastic_table.h" /* generated from presets/rough_plastic.txt */
 
-/* clang-format off */
-#define KEYS(X)                                                                \
-    X(ALPHA, "alpha", "float", 1e-4, 1, 0.1)                                   \
-    X(DISTRIBUTION, "distribution", "integer", 0, 1, 0)                        \
-    X(ETA, "eta", "float", 1.05, 3, 1.49 / 1.000277)                           \
-    X(DIFFUSE_REFLECTANCE, "diffuse_reflectance", "color3", 0, 1, 0.5)         \
-    X(SPECULAR_REFLECTANCE, "specular_reflectance", "color3", 0, 1, 1)         \
-    X(NONLINEAR, "nonlinear", "integer", 0, 1, 0)
-/* clang-format on */
-enum { KEYS(NQM_KEY_INDEX) N_KEYS };
+enum { NQM_ROUGH_PLASTIC_KEYS(NQM_KEY_INDEX) N_KEYS };
 
 static const double table_scale[2] = {0.009950330853168083, 4.61512051684126};  /* of log(1 + 100 alpha) */
 static const double table_log_eta[2] = {-2.99573227355399, 0.6931471805599453}; /* of log(eta - 1) */
@@ -71,7 +62,7 @@ static void look_up(bool is_ggx, double alpha, double eta, double *out) {
             out[i] += core[r] * (double)table_vectors[is_ggx][r * (TABLE_MU + 1) + i];
 }
 
-static void plastic_prepare(const nqm_spec_values *values, void *state) {
+static void plastic_prepare(const nqm_values *values, void *state) {
     plastic *self = state;
     double table[TABLE_MU + 1];
     const double alpha = values->v[ALPHA][0];
@@ -111,4 +102,4 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
     }
 }
 
-NQM_SHADING_MODEL(nqm_rough_plastic_model, "rough-plastic", KEYS, plastic, plastic_prepare, plastic_eval, 1);
+NQM_SHADING_MODEL(rough_plastic, "rough-plastic", plastic, plastic_prepare, plastic_eval, 1);

@@ -9,21 +9,7 @@
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
 
-/* clang-format off */
-#define KEYS(X)                                              \
-    X(BASE_COLOR, "base_color", "color3", 0, 1, 0.5)         \
-    X(ROUGHNESS, "roughness", "float", 0, 1, 0.5)            \
-    X(ANISOTROPIC, "anisotropic", "float", 0, 1, 0, .turns = true) \
-    X(METALLIC, "metallic", "float", 0, 1, 0)                \
-    X(ETA, "eta", "float", 1, 4, 1.5)                        \
-    X(SPEC_TINT, "spec_tint", "float", 0, 1, 0)              \
-    X(SHEEN, "sheen", "float", 0, 1, 0)                      \
-    X(SHEEN_TINT, "sheen_tint", "float", 0, 1, 0)            \
-    X(FLATNESS, "flatness", "float", 0, 1, 0)                \
-    X(CLEARCOAT, "clearcoat", "float", 0, 1, 0)              \
-    X(CLEARCOAT_GLOSS, "clearcoat_gloss", "float", 0, 1, 0)
-/* clang-format on */
-enum { KEYS(NQM_KEY_INDEX) N_KEYS };
+enum { NQM_PRINCIPLED_KEYS(NQM_KEY_INDEX) N_KEYS };
 
 typedef struct principled {
     nqm_spec_state spec;
@@ -35,7 +21,7 @@ typedef struct principled {
     double diffuse[3], sheen[3];
 } principled;
 
-static void principled_prepare(const nqm_spec_values *values, void *state) {
+static void principled_prepare(const nqm_values *values, void *state) {
     principled *self = state;
     const double *base = values->v[BASE_COLOR];
     const double metallic = values->v[METALLIC][0], spec_tint = values->v[SPEC_TINT][0];
@@ -96,4 +82,4 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     }
 }
 
-NQM_SHADING_MODEL(nqm_principled_model, "principled", KEYS, principled, principled_prepare, principled_eval, 1);
+NQM_SHADING_MODEL(principled, "principled", principled, principled_prepare, principled_eval, 1);

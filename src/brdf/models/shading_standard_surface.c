@@ -18,7 +18,7 @@ typedef struct standard_surface {
 /* The node rotate3d multiplies a row vector by the matrix: one turn is -360 degrees. */
 static const double TURN = -2 * NQM_PI;
 
-static void prepare(const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_values *values, void *state) {
     double v[N_KEYS];
     for (size_t k = 0; k < N_KEYS; ++k)
         v[k] = values->v[k][0];
@@ -61,4 +61,4 @@ static closure evaluate(const void *state, const geometry *g) {
     return result;
 }
 
-CLOSURE_MODEL(nqm_standard_surface_model, "standard-surface", NQM_STANDARD_SURFACE_KEYS, standard_surface);
+CLOSURE_MODEL(standard_surface, "standard-surface", standard_surface);

@@ -18,7 +18,7 @@ typedef struct usd_preview {
     double metallic, f0[3], f90[3], metal_ior[3], metal_extinction[3], coat_f0[3];
 } usd_preview;
 
-static void prepare(const nqm_spec_values *values, void *state) {
+static void prepare(const nqm_values *values, void *state) {
     usd_preview *self = state;
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
     const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_of_ior(values->v[IOR][0]);
@@ -50,4 +50,4 @@ static closure evaluate(const void *state, const geometry *g) {
     return result;
 }
 
-CLOSURE_MODEL(nqm_usd_preview_model, "usd-preview", NQM_USD_PREVIEW_KEYS, usd_preview);
+CLOSURE_MODEL(usd_preview, "usd-preview", usd_preview);

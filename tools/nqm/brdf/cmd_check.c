@@ -162,16 +162,16 @@ static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, co
     checked_texels *texels = user;
     for (size_t i = 0; i < n; ++i) {
         texels->at[texels->n] = samples[i].texel;
-        texels->specs[texels->n] = nqm_texture_spec(texels->texture, rows[0], i, NULL);
+        texels->specs[texels->n] = nqm_texture_spec(texels->texture, rows[0], i);
         if (!texels->specs[texels->n++])
-            return nqm_fail_nomem(err, sizeof(nqm_shading));
+            return nqm_fail_nomem(err, sizeof(nqm_values));
     }
     return NQM_OK;
 }
 
 /* ---- maps -------------------------------------------------------------------------------------------------------- */
 
-enum { MAX_SIDE = 1024, N_VALUES = NQM_SPEC_MAX_KEYS * 3 };
+enum { MAX_SIDE = 1024, N_VALUES = NQM_SCHEMA_MAX_KEYS * 3 };
 
 /* A part of the texture at its own size, so that neighbours are neighbours there. */
 typedef struct part {
@@ -313,7 +313,7 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
     nqm_status status = open_textured(argument, &texture, &err);
     if (status == NQM_OK) {
         texels = (checked_texels){.texture = texture, .width = nqm_texture_get_info(texture, NULL).width};
-        status = visit_texels(texture, MAX_CHECKED_TEXELS, add_texels, &texels, &err);
+        status = nqm_texture_visit(texture, MAX_CHECKED_TEXELS, add_texels, &texels, &err);
     }
     if (status == NQM_OK)
         status = judge_texels(&texels, seed, &worst, &i, &n_failed, &err);

@@ -2,6 +2,7 @@
  *
  * nqm convert - writes any BRDF as a table.
  */
+#include "base/names.h"
 #include "figures/picture.h"
 #include "nqm/tool.h"
 

@@ -31,7 +31,7 @@ static void make_rows(conform_result *r, const char *name, const nqm_score_resul
     r->run.model = kit->metric;
     r->run.n_rows = kit->n_sets;
     r->run.rows = allocate(kit->n_sets, sizeof *r->run.rows);
-    r->run.ref_path = kit->model->schema.model;
+    r->run.ref_path = kit->model->schema->model;
     r->run.ref_name = name;
     r->run.terms = (remark_terms){kit->metric, NQM_INVALID_DROP};
     for (size_t set = 0; set < kit->n_sets; ++set) {
@@ -225,7 +225,7 @@ static conform_kit *round_kit(const conform_kit *kit) {
     for (size_t i = 0; i < 6 * KIT_TURNS * kit->n_directions; ++i)
         rounded->directions[i] = (double)(float)kit->directions[i];
     for (size_t set = 0; set < kit->n_sets; ++set)
-        for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
+        for (size_t k = 0; k < kit->model->schema->n_keys; ++k)
             for (size_t c = 0; c < 3; ++c)
                 rounded->sets[set].values.v[k][c] = (double)(float)kit->sets[set].values.v[k][c];
     return rounded;
@@ -261,7 +261,7 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     }
     const bool passes = lowest >= conform_pass && 10 * n_first >= 9 * n_seen && 100 * n_three >= 98 * n_seen;
     json_t *document =
-        json_pack("{s:s,s:I,s:I,s:o,s:I,s:I,s:I,s:o,s:b}", "model", kit->model->schema.model, "sets",
+        json_pack("{s:s,s:I,s:I,s:o,s:I,s:I,s:I,s:o,s:b}", "model", kit->model->schema->model, "sets",
                   (json_int_t)kit->n_sets, "directions", (json_int_t)kit->n_directions, "lowest_jod",
                   json_number(lowest), "mistakes", (json_int_t)n_seen, "named_first", (json_int_t)n_first,
                   "named_in_three", (json_int_t)n_three, "not_first", missed, "passes", passes);

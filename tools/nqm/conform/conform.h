@@ -19,10 +19,10 @@ extern const double kit_turns_deg[KIT_TURNS];
 
 /** A parameter set. */
 typedef struct kit_set {
-    nqm_spec_values values; /* `given` has the keys that differ from their defaults */
-    size_t turn;            /* of kit_turns_deg; 0 for isotropic sets */
-    char name[32];          /* "set 12" */
-    char *spec;             /* opens the same BRDF in the frame of the directions */
+    nqm_values values; /* `given` has the keys that differ from their defaults */
+    size_t turn;       /* of kit_turns_deg; 0 for isotropic sets */
+    char name[32];     /* "set 12" */
+    char *spec;        /* opens the same BRDF in the frame of the directions */
 } kit_set;
 
 typedef struct conform_kit {
@@ -44,8 +44,6 @@ void free_kit_copy(conform_kit *copy);
 static inline double *kit_directions(const conform_kit *kit, size_t turn, size_t side) {
     return kit->directions + 3 * (2 * turn + side) * kit->n_directions;
 }
-/** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
-bool is_width_key(const nqm_spec_key *key);
 
 /* ---- files (kit_write.c) ----------------------------------------------------------------------------------------- */
 

@@ -49,7 +49,7 @@ static double choices(size_t n, size_t k) {
 /* One or two conditions that all failing sets have and few others; NULL: none. They are told if that is no coincidence: to name them,
  * and the failing ones of the sets that have them, takes fewer bits than to name the failing ones of all, and eight to spare. */
 static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n_fails) {
-    const size_t n_keys = kit->model->schema.n_keys;
+    const size_t n_keys = kit->model->schema->n_keys;
     double least = choices(kit->n_sets, n_fails) - 8;
     condition c[2] = {{0}};
     size_t n_found = 0, n_exceptions = SIZE_MAX;
@@ -73,7 +73,7 @@ static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n
     }
     char words[2][128] = {"", ""};
     for (size_t i = 0; i < n_found; ++i) {
-        const nqm_spec_key *key = &kit->model->schema.keys[c[i].key];
+        const nqm_schema_key *key = &kit->model->schema->keys[c[i].key];
         const char *which = key->n == 1 ? "" : c[i].kind == ABOVE ? "a value of " : "all values of ";
         if (c[i].kind == CHANGED)
             snprintf(words[i], sizeof *words, "%s other than %g", key->name, key->fallback);

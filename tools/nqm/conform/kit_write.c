@@ -23,7 +23,7 @@ static void put_number(FILE *out, double v) {
 }
 
 void write_kit_rows(const conform_kit *kit, FILE *out) {
-    const nqm_spec_schema *schema = &kit->model->schema;
+    const nqm_schema *schema = kit->model->schema;
     fputs("set", out);
     for (size_t k = 0; k < schema->n_keys; ++k)
         for (size_t c = 0; c < schema->keys[k].n; ++c)
@@ -143,10 +143,10 @@ static void put_directions(const language *l, FILE *out, const char *name, size_
 }
 
 static void put_sets(const language *l, FILE *out, const conform_kit *kit) {
-    const nqm_spec_schema *schema = &kit->model->schema;
+    const nqm_schema *schema = kit->model->schema;
     fputs("struct nqm_set {\n", out);
     fprintf(out, "    %s2 turn;\n", l->vector);
-    for (const nqm_spec_key *key = schema->keys; key < schema->keys + schema->n_keys; ++key)
+    for (const nqm_schema_key *key = schema->keys; key < schema->keys + schema->n_keys; ++key)
         if (key->n == 1)
             fprintf(out, "    float %s;\n", key->name);
         else
@@ -176,7 +176,7 @@ void write_kit_shader(const conform_kit *kit, const char *path) {
     fprintf(out.stream,
             "// Parameter sets and directions of `nqm conform %s`, nqm %s. Angles and turns are of the tangent frame:\n"
             "// z is the normal, x the tangent; unit vectors away from the surface. `turn` is a cosine and a sine.\n",
-            kit->model->schema.model, nqm_version());
+            kit->model->schema->model, nqm_version());
     fprintf(out.stream, "%s%sint nqm_n_sets = %zu, nqm_n_directions = %zu;\n\n", l->head, l->constant, kit->n_sets,
             kit->n_directions);
     put_sets(l, out.stream, kit);

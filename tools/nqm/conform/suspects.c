@@ -35,33 +35,34 @@ static const char *const channels[] = {"bgr", "grb", "rbg", "rrr", "rrb", "rgr",
                                        "bgb", "rbb", "rg",  "rb",  "gr",  "gb",  "br",  "bg"};
 enum { N_COLOUR_MISTAKES = 10, N_CHANNEL_MISTAKES = sizeof channels / sizeof *channels };
 
-static const char *channels_of(const nqm_spec_schema *schema, const flaw *f) {
+static const char *channels_of(const nqm_schema *schema, const flaw *f) {
     const size_t first = f->key < schema->n_keys ? N_PROPERTY_MISTAKES : NQM_N_MISTAKES;
     return f->how < first ? NULL : channels[f->how - first];
 }
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
-static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
-    const nqm_spec_key *key = &schema->keys[k];
-    const bool is_rotation = key->low < 0, is_amount = !is_rotation && key->turns;
+static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
+    const nqm_schema_key *key = &schema->keys[k];
+    const bool is_rotation = key->role == NQM_ROLE_AZIMUTH || key->role == NQM_ROLE_COAT_AZIMUTH,
+               is_amount = !is_rotation && nqm_role_is_anisotropic(key->role), is_width = nqm_role_is_width(key->role);
     switch (how) {
     case IGNORED:
         return !key->required;
     case ABSENT:
-        return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width_key(key);
+        return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width;
     case OF_BASE:
-        return is_width_key(key) && nqm_fit_describe(schema, k).layer != k;
+        return is_width && nqm_schema_layer_of(schema, k) != k;
     case SQUARED:
     case ROOT:
-        return is_width_key(key) || is_amount;
+        return is_width || is_amount;
     case RAISED:
-        return is_width_key(key) && !strstr(key->name, "loss"); /* of roughness */
+        return is_width && key->unit != NQM_UNIT_GLOSS;
     case INVERTED:
-        return is_width_key(key);
+        return is_width;
     case DECODED:
     case NOT_DECODED:
-        return key->n == 3 && (key->high <= 2 || strstr(key->name, "color"));
+        return key->n == 3 && key->role != NQM_ROLE_METAL_ETA && key->role != NQM_ROLE_METAL_K;
     default:
         return how < N_PROPERTY_MISTAKES ? is_rotation : key->n == 3;
     }
@@ -80,7 +81,7 @@ static void add_suspects(flaw f, bool is_formula, suspect *list, size_t *n) {
 }
 
 suspect *list_suspects(const conform_kit *kit, size_t *n) {
-    const nqm_spec_schema *schema = &kit->model->schema;
+    const nqm_schema *schema = kit->model->schema;
     suspect *list = allocate(MAX_SUSPECTS, sizeof *list);
     *n = 1;
     for (size_t how = 0; how < NQM_N_MISTAKES + N_CHANNEL_MISTAKES; ++how)
@@ -95,12 +96,12 @@ suspect *list_suspects(const conform_kit *kit, size_t *n) {
 }
 
 void describe_suspect(const conform_kit *kit, suspect *s) {
-    const nqm_spec_schema *schema = &kit->model->schema;
+    const nqm_schema *schema = kit->model->schema;
     FILE *out = must_have(fmemopen(s->text, sizeof s->text, "w"));
     for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
-        const nqm_spec_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
+        const nqm_schema_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
-        const bool is_squared = key && key->n == 1 && strstr(key->name, "oughness");
+        const bool is_squared = key && key->n == 1 && nqm_role_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
         fprintf(out, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
         const char *wrong = channels_of(schema, f);
         if (wrong && strlen(wrong) == 2)
@@ -114,7 +115,7 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
                                                     : property_mistakes[f->how].text,
                   out);
         if (key && f->how == OF_BASE)
-            fputs(schema->keys[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)].name, out);
+            fputs(schema->keys[nqm_schema_key_of(schema, NQM_ROLE_WIDTH)].name, out);
         if (f->amount != 0)
             fprintf(out, " %.3g", f->amount);
     }
@@ -123,7 +124,7 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
 
 /* ---- their values ------------------------------------------------------------------------------------------------ */
 
-static double changed(const nqm_spec_schema *schema, const nqm_spec_values *values, const flaw *f, size_t c) {
+static double changed(const nqm_schema *schema, const nqm_values *values, const flaw *f, size_t c) {
     const double *v = values->v[f->key];
     if (channels_of(schema, f))
         return v[nqm_channel_of(channels_of(schema, f)[c])];
@@ -133,7 +134,7 @@ static double changed(const nqm_spec_schema *schema, const nqm_spec_values *valu
     case ABSENT:
         return 0;
     case OF_BASE:
-        return values->v[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)][c];
+        return values->v[nqm_schema_key_of(schema, NQM_ROLE_WIDTH)][c];
     case RAISED:
         return fmax(v[c], f->amount);
     default:
@@ -142,12 +143,12 @@ static double changed(const nqm_spec_schema *schema, const nqm_spec_values *valu
 }
 
 void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float *rgb) {
-    const nqm_spec_schema *schema = &kit->model->schema;
+    const nqm_schema *schema = kit->model->schema;
     const size_t turn = kit->sets[set].turn;
-    nqm_spec_values values = kit->sets[set].values;
+    nqm_values values = kit->sets[set].values;
     nqm_mistakes mistakes = {.made = 0};
     for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
-        const nqm_spec_values right = values;
+        const nqm_values right = values;
         for (size_t c = 0; c < 3 && f->key < schema->n_keys; ++c)
             values.v[f->key][c] =
                 fmin(fmax(changed(schema, &right, f, c), schema->keys[f->key].low), schema->keys[f->key].high);

@@ -3,14 +3,13 @@
  * nqm translate - write materials as materials of another shading model: fit the target, write the file, and score what was
  * written. With --fail-under it is a gate.
  */
+#include "base/options.h"
 #include "brdf/brdf.h"
-#include "fit/anisotropy.h"
-#include "fit/match.h"
 #include "material/material.h"
-#include "nqm/fit/translate.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
+#include <nqm/translate.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,18 +24,15 @@ typedef struct item {
     char argument[MAX_TEXT]; /* of nqm_brdf_open() */
     char path[MAX_TEXT];     /* of the file to write; "": none */
     char written[MAX_TEXT];  /* what is scored: the path, or "FILE:NAME"; "": the spec */
-    char dropped[300];       /* properties without counterpart */
-    char *copy;              /* spec of the copied keys, NULL: none */
     nqm_error err;           /* status NQM_OK: translated */
-    nqm_match_report match;
+    nqm_translation result;
     nqm_score_result score, transport;
     bool is_textured;
-    double far_jod; /* of a texture */
     double seconds;
 } item;
 
 typedef struct translation {
-    const translate_target *target;
+    nqm_translate_model target;
     const char *path, *folder; /* -o and -d, or NULL */
     nqm_match_loss loss;
     nqm_fit_options fit;
@@ -51,7 +47,7 @@ typedef struct translation {
 static void add_item(translation *t, const char *file, const char *material) {
     t->items = must_have(nqm_grow(t->items, &t->max_n, t->n + 1, sizeof *t->items));
     item *it = &t->items[t->n++];
-    *it = (item){.copy = NULL};
+    *it = (item){.is_textured = false};
     const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
                               : snprintf(it->argument, MAX_TEXT, "%s", file);
     const char *taken = used < 0 || used >= MAX_TEXT ? NULL : reflecting(it->argument);
@@ -104,10 +100,10 @@ static void name_outputs(translation *t) {
         char stem[256];
         short_stem(it->argument, stem, sizeof stem);
         const int used = t->path ? snprintf(it->path, MAX_TEXT, "%s", t->path)
-                                 : snprintf(it->path, MAX_TEXT, "%s/%s%s", t->folder, stem, t->target->extension);
+                                 : snprintf(it->path, MAX_TEXT, "%s/%s%s", t->folder, stem, t->target.extension);
         if (used < 0 || used >= MAX_TEXT)
             stop(EXIT_USAGE, "%.80s...: the path of the output is too long", it->path);
-        must(nqm_material_check(t->target->model, it->path, &fault));
+        must(nqm_material_check(t->target.name, it->path, &fault));
         for (size_t k = 0; t->folder && k < i; ++k)
             if (strcmp(t->items[k].path, it->path) == 0)
                 stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,
@@ -152,10 +148,10 @@ static void print_item(const translation *t, const item *it) {
     if (!isnan(it->score.jod_low))
         printf(" [%.2f, %.2f]", it->score.jod_low, it->score.jod_high);
     printf("  %s %5.2f  %s -> %s", it->is_textured ? "from afar" : "transport",
-           it->is_textured ? it->far_jod : it->transport.jod, shown(it->argument),
-           shown(it->written[0] ? it->written : it->match.fit.spec));
-    if (it->dropped[0])
-        printf("  dropped: %s", it->dropped);
+           it->is_textured ? it->result.texture.far_jod[0] : it->transport.jod, shown(it->argument),
+           shown(it->written[0] ? it->written : it->result.match.fit.spec));
+    if (it->result.dropped[0])
+        printf("  dropped: %s", it->result.dropped);
     if (has_gate(&t->gate))
         printf("  %s", gate_mark(&t->gate, &it->score));
     putchar('\n');
@@ -167,9 +163,9 @@ static json_t *item_json(const translation *t, const item *it) {
         return json_row("input:s spec:o error:s", it->argument, json_null(), it->err.message);
     return json_row("input:s output:t spec:s jod:f jod_low:f jod_high:f transport_jod:f dropped:s selected:s seconds:f "
                     "far_jod:o pass:o",
-                    it->argument, it->written, it->match.fit.spec, it->score.jod, it->score.jod_low, it->score.jod_high,
-                    it->transport.jod, it->dropped, it->match.selected, it->seconds,
-                    it->is_textured ? json_number(it->far_jod) : NULL,
+                    it->argument, it->written, it->result.match.fit.spec, it->score.jod, it->score.jod_low,
+                    it->score.jod_high, it->transport.jod, it->result.dropped, it->result.match.selected, it->seconds,
+                    it->is_textured ? json_number(it->result.texture.far_jod[0]) : NULL,
                     has_gate(&t->gate) ? json_boolean(!fails_gate(&t->gate, &it->score)) : NULL);
 }
 
@@ -178,7 +174,7 @@ static json_t *count_dropped(const translation *t) {
     json_t *counts = json_object();
     for (size_t i = 0; i < t->n; ++i) {
         const item *it = &t->items[i];
-        for (const char *key = it->dropped; it->err.status == NQM_OK && *key;) {
+        for (const char *key = it->result.dropped; it->err.status == NQM_OK && *key;) {
             const size_t n = strcspn(key, ",");
             char name[64];
             snprintf(name, sizeof name, "%.*s", (int)n, key);
@@ -193,8 +189,8 @@ static void print_as_json(const translation *t) {
     json_t *results = json_array();
     for (size_t i = 0; i < t->n; ++i)
         json_array_append_new(results, item_json(t, &t->items[i]));
-    print_document(json_row("model:s results:o failed:z refused:z dropped:o", t->target->model, results,
-                            count_failed(t), count_refused(t), count_dropped(t)));
+    print_document(json_row("model:s results:o failed:z refused:z dropped:o", t->target.name, results, count_failed(t),
+                            count_refused(t), count_dropped(t)));
 }
 
 /* "dropped: coat_weight in 2 materials, sheen_color in 1" */
@@ -226,55 +222,25 @@ static void print_summary(const translation *t, FILE *out) {
 static void write_page(const translation *t, const char *metric, output_file *out) {
     const item *it = t->items;
     char title[300], name[NAME_SIZE];
-    page_item items[3] = {{it->argument, ""}, {it->copy, "keys copied"}};
-    const int n = it->copy ? 2 : 1;
-    items[n].argument = it->written[0] ? it->written : it->match.fit.spec;
-    snprintf(items[n].name, NAME_SIZE, "%s, translated", t->target->model);
+    page_item items[3] = {{it->argument, ""}, {it->result.copied, "keys copied"}};
+    const int n = *it->result.copied ? 2 : 1;
+    items[n].argument = it->written[0] ? it->written : it->result.match.fit.spec;
+    snprintf(items[n].name, NAME_SIZE, "%s, translated", t->target.name);
     short_name(it->argument, name, sizeof name);
-    snprintf(title, sizeof title, "Translation of %s to %s", name, t->target->model);
+    snprintf(title, sizeof title, "Translation of %s to %s", name, t->target.name);
     write_fit_page(title, n + 1, items, metric, out);
 }
 
 /* ---- one translation ---------------------------------------------------------------------------------------------- */
 
-/* Where a model cannot have the look of the reference, values and rays may lead a fit past what its keys say. */
-static nqm_status keep_better(const translation *t, item *it, const nqm_brdf *ref, const nqm_brdf *fit,
-                              nqm_error *err) {
-    nqm_brdf *copy;
-    nqm_score_result result[2];
-    nqm_status status = nqm_brdf_open(it->copy, &copy, err);
-    const nqm_brdf *tests[] = {fit, copy};
-    if (status == NQM_OK)
-        status = nqm_scorer_run(t->scorer, ref, 2, tests, result, err);
-    if (status == NQM_OK && result[1].jod > result[0].jod) {
-        snprintf(it->match.fit.spec, sizeof it->match.fit.spec, "%s", it->copy);
-        snprintf(it->match.selected, sizeof it->match.selected, "the keys of both models");
-    }
-    nqm_brdf_free(copy);
-    return status;
-}
-
 static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
-    nqm_brdf *ref = NULL, *brdf = NULL;
-    nqm_fit_options fit = t->fit;
-    const double begin = nqm_clock_s();
+    nqm_brdf *ref = NULL;
     nqm_status status = nqm_brdf_open(it->argument, &ref, err);
     if (status != NQM_OK)
         return status;
     report_remark(ref);
-    const char *spec = nqm_brdf_get_info(ref).spec;
-    list_dropped(spec, t->target->model, it->dropped, sizeof it->dropped);
-    it->copy = copy_keys(spec, t->target->model);
-    char *lobe = it->copy ? NULL : nqm_fit_measure_anisotropy(ref, t->target->model, false);
-    if (strncmp(t->loss.text, "auto", 4) == 0)
-        fit.start = lobe ? lobe : it->copy; /* other losses would begin there only */
-    status = nqm_match(ref, t->target->model, &t->loss, &fit, &it->match, &brdf, err);
-    nqm_free(lobe);
-    if (status == NQM_OK && it->copy)
-        status = keep_better(t, it, ref, brdf, err);
-    it->seconds = nqm_clock_s() - begin;
+    status = nqm_translate(ref, t->target.name, &t->loss, &t->fit, &it->result, err);
     nqm_brdf_free(ref);
-    nqm_brdf_free(brdf);
     return status;
 }
 
@@ -290,23 +256,22 @@ static void name_in_file(const translation *t, const item *it, char *name, size_
 /* Fit, write and score a material with image maps. */
 static nqm_status translate_maps(const translation *t, item *it, nqm_error *err) {
     char name[64];
-    texture_translation maps = {
-        .argument = it->argument, .path = it->path, .name = name, .loss = &t->loss, .fit = &t->fit};
-    const double begin = nqm_clock_s();
+    nqm_texture *ref = NULL;
     if (t->path && t->n > 1)
         return nqm_fail(err, NQM_ERR_ARG, -1, "a material with image maps needs a file of its own: -d FOLDER");
-    nqm_status status = check_texture_target(t->target->model, it->path, err);
+    if (strcmp(t->target.name, "gltf") != 0 || !nqm_name_ends_in(it->path, ".gltf"))
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "a material with image maps is written as glTF with PNG files beside it only: "
+                        "--to gltf, with -o FILE.gltf or -d FOLDER");
     name_in_file(t, it, name, sizeof name);
+    nqm_status status = open_texture(it->argument, &ref, err);
     if (status == NQM_OK)
-        status = translate_texture(&maps, err);
+        status = nqm_translate_texture(ref, it->path, name, &t->loss, &t->fit, &it->result, err);
+    nqm_texture_free(ref);
     if (status != NQM_OK)
         return status;
-    it->score = nqm_library_texture_result(&maps.score);
+    it->score = nqm_library_texture_result(&it->result.texture);
     it->transport = (nqm_score_result){.jod = NAN};
-    it->far_jod = maps.score.far_jod[0];
-    it->seconds = nqm_clock_s() - begin;
-    snprintf(it->match.fit.spec, sizeof it->match.fit.spec, "%s", maps.spec);
-    snprintf(it->dropped, sizeof it->dropped, "%s", maps.dropped);
     snprintf(it->written, sizeof it->written, "%s", it->path);
     return NQM_OK;
 }
@@ -316,7 +281,7 @@ static nqm_status score_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
     nqm_status status = nqm_brdf_open(it->argument, &ref, err);
     if (status == NQM_OK)
-        status = nqm_brdf_open(it->written[0] ? it->written : it->match.fit.spec, &brdf, err);
+        status = nqm_brdf_open(it->written[0] ? it->written : it->result.match.fit.spec, &brdf, err);
     const nqm_brdf *test = brdf;
     if (status == NQM_OK)
         status = nqm_scorer_run(t->scorer, ref, 1, &test, &it->score, err);
@@ -334,7 +299,7 @@ static nqm_status write_items(const translation *t, size_t n, item *const *items
     nqm_materials *written = NULL;
     for (size_t i = 0; i < n; ++i) {
         name_in_file(t, items[i], name[i], sizeof name[i]);
-        specs[i] = items[i]->match.fit.spec;
+        specs[i] = items[i]->result.match.fit.spec;
         names[i] = name[i];
     }
     nqm_status status = nqm_brdf_write_materials(n, specs, names, path, err);
@@ -388,7 +353,9 @@ static void translate_all(translation *t, bool with_rows) {
         nqm_error err = {0};
         note_progress("%s (%zu of %zu)", shown(it->argument), i + 1, t->n);
         it->is_textured = is_textured(it->argument);
+        const double begin = nqm_clock_s();
         nqm_status status = it->is_textured ? translate_maps(t, it, &err) : fit_item(t, it, &err);
+        it->seconds = nqm_clock_s() - begin;
         if (status == NQM_OK && !it->is_textured && it->path[0] && !in_one)
             status = write_items(t, 1, &it, &err);
         if (status != NQM_OK)
@@ -447,6 +414,28 @@ static const command cmd = {
     .max_arguments = -1,
 };
 
+/* The models and their other names, after which NULL. */
+static const char *const *target_names(void) {
+    enum { MOST = 64 };
+    static const char *names[MOST + 1];
+    nqm_translate_model m;
+    for (size_t i = 0, n = 0; (m = nqm_translate_target(i)).name && n + 2 < MOST; ++i) {
+        names[n++] = m.name;
+        if (m.alias)
+            names[n++] = m.alias;
+    }
+    return names;
+}
+
+static nqm_translate_model find_target(const char *word) {
+    const char *name = target_names()[choose("to", target_names(), word)];
+    size_t i = 0;
+    nqm_translate_model m = nqm_translate_target(0);
+    while (strcmp(m.name, name) != 0 && !(m.alias && strcmp(m.alias, name) == 0))
+        m = nqm_translate_target(++i);
+    return m;
+}
+
 int cmd_translate(int argc, char **argv) {
     t = (translation){.fit = nqm_fit_options_default()};
     target_words[0].words = target_names();
@@ -482,8 +471,6 @@ int cmd_translate(int argc, char **argv) {
     nqm_model_free(metric_model);
     nqm_model_free(transport_model);
     nqm_scene_free(judge);
-    for (size_t i = 0; i < t.n; ++i)
-        nqm_free(t.items[i].copy);
     nqm_free(t.items);
     return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;
 }

@@ -2,7 +2,7 @@
  *
  * nqm dedup - clusters of materials of a library that look like one of them.
  */
-#include "figures/picture.h"
+#include "base/names.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 

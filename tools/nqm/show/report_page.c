@@ -303,7 +303,7 @@ static json_t *draw_scale(const report_page *page) {
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
+enum { SIDE = 160, NORMAL = NQM_SCHEMA_MAX_KEYS };
 
 typedef struct shown_map {
     const nqm_texture *texture;
@@ -318,11 +318,11 @@ static void write_texel(void *user, const float *rows, size_t i, unsigned char *
     nqm_texture_normal(t, rows, i, normal);
     for (size_t c = 0; c < 3; ++c)
         if (m->property == NORMAL)
-            out[c] = unit_byte((normal[c] + 1) / 2);
+            out[c] = nqm_unit_byte((normal[c] + 1) / 2);
         else if (t->keys[m->property].n == 3)
             out[c] = nqm_srgb_byte(nqm_texture_value(t, m->property, c, rows, i));
         else
-            out[c] = unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
+            out[c] = nqm_unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
 }
 
 static void add_map(const report_page *page, const nqm_texture *texture, size_t property, json_t *list) {
@@ -330,7 +330,8 @@ static void add_map(const report_page *page, const nqm_texture *texture, size_t 
     const size_t tiles[2] = {1, 1};
     shown_map m = {texture, property};
     nqm_raster r = {.width = SIDE, .height = SIDE, .channels = 3};
-    must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
+    nqm_ticker ticker = {.fn = show_progress};
+    must(nqm_texture_write(texture, tiles, write_texel, &m, &ticker, &r, &fault));
     must(nqm_raster_write_png(page->figure, &r, true, NULL, &fault));
     nqm_raster_clear(&r);
     json_array_append_new(list, json_row("key:s picture:o", key, take_figure(page, key, SIDE, SIDE)));

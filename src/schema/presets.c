@@ -3,17 +3,9 @@
  * Published parameters of measured materials by name. The tables of presets/ are embedded as text; only the requested
  * row is parsed.
  */
-#include "brdf/models/presets.h"
+#include "schema/presets.h"
 
 #include <string.h>
-
-size_t nqm_brdf_preset_count(void) {
-    return nqm_preset_name_count;
-}
-
-const char *nqm_brdf_preset_name(size_t i) {
-    return nqm_preset_names[i];
-}
 
 const char *nqm_preset_named(const char *material) {
     const char *found = NULL;
@@ -132,12 +124,12 @@ static void write_settings(const char *header, const char *row, char *text, size
     }
 }
 
-nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema, const char *material,
-                           nqm_spec_values *values, nqm_error *err) {
+nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_schema *schema, const char *material,
+                           nqm_values *values, nqm_error *err) {
     char settings[1024];
     const char *row = row_of(table->text, material), *header = row_of(table->text, "name");
     if (!row || row == header)
         return fail_unknown(table->name, material, err);
     write_settings(header, row, settings, sizeof settings);
-    return nqm_spec_parse(schema, settings, values, err);
+    return nqm_values_parse(schema, settings, values, err);
 }

@@ -5,7 +5,7 @@
 #ifndef NQM_SRC_BRDF_PRESETS_H
 #define NQM_SRC_BRDF_PRESETS_H
 
-#include "brdf/core/spec.h"
+#include "schema/schema.h"
 
 /** A table of presets/, embedded by cmake/presets.cmake. */
 typedef struct nqm_preset_table {
@@ -30,7 +30,7 @@ void nqm_preset_nearest(nqm_nearest *nearest);
 /** A table of presets, or NULL. */
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
 /** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests similar names. */
-NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
-                                          const char *material, nqm_spec_values *values, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_schema *schema, const char *material,
+                                          nqm_values *values, nqm_error *err);
 
 #endif
