@@ -525,6 +525,144 @@ class ScoreQuantity(enum.IntEnum):
     DELTA_E = 1
 
 
+class TextureInfo(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("model", c_char_p),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_images", c_size_t),
+        ("n_bytes", c_size_t),
+        ("varying", c_char_p),
+        ("remark", c_char_p),
+    ]
+
+
+class TextureMap(Structure):
+    _fields_ = [
+        ("key", c_char_p),
+        ("height", c_size_t),
+        ("width", c_size_t),
+        ("channels", c_size_t),
+        ("values", c_void_p),
+    ]
+
+
+class TextureOptions(Structure):
+    _fields_ = [
+        ("exact", c_int),
+        ("n_texels", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("blame", c_int),
+        ("far", c_int),
+        ("seed", c_uint64),
+        ("progress", Progress),
+        ("progress_user", c_void_p),
+    ]
+
+
+class TextureBlame(Structure):
+    _fields_ = [
+        ("key", c_char * 48),
+        ("jod", c_double),
+        ("mistake", c_char * 80),
+    ]
+
+
+TEXTURE_MAX_BLAME = 32
+
+
+class TextureResult(Structure):
+    _fields_ = [
+        ("jod", c_double),
+        ("jod_low", c_double),
+        ("jod_high", c_double),
+        ("delta_e", c_double),
+        ("error", c_double),
+        ("parts", Label),
+        ("median", c_double),
+        ("worst", c_double),
+        ("below", c_double * 2),
+        ("far_jod", c_double * 3),
+        ("far_delta_e", c_double),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_different", c_size_t),
+        ("n_scored", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("n_blame", c_size_t),
+        ("blame", TextureBlame * 32),
+    ]
+
+
+class LibraryMember(Structure):
+    _fields_ = [
+        ("argument", c_char_p),
+        ("key", c_char_p),
+        ("is_textured", c_int),
+    ]
+
+
+class LibraryOptions(Structure):
+    _fields_ = [
+        ("ignore", c_char_p),
+        ("index", c_char_p),
+        ("score", POINTER(ScoreOptions)),
+        ("progress", Progress),
+        ("report", CFUNCTYPE(None, c_void_p, c_int, c_char_p)),
+        ("user", c_void_p),
+    ]
+
+
+class Library(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("members", POINTER(LibraryMember)),
+        ("n_failed", c_size_t),
+        ("path", c_char_p),
+        ("state", c_void_p),
+    ]
+
+
+class LibraryValue(Structure):
+    _fields_ = [
+        ("text", c_char_p),
+        ("n", c_size_t),
+        ("v", c_double * 3),
+    ]
+
+
+class LibraryChange(Structure):
+    _fields_ = [
+        ("property", c_char * 48),
+        ("before", LibraryValue),
+        ("after", LibraryValue),
+    ]
+
+
+class LibraryPair(Structure):
+    _fields_ = [
+        ("ref", c_size_t),
+        ("test", c_size_t),
+        ("names", NamedPair),
+        ("result", ScoreResult),
+        ("error", Error),
+        ("texture", POINTER(TextureResult)),
+        ("is_refused_alike", c_int),
+        ("n_changes", c_size_t),
+        ("changes", POINTER(LibraryChange)),
+    ]
+
+
+class LibraryQuery(Structure):
+    _fields_ = [
+        ("to", c_char_p),
+        ("n", c_size_t),
+        ("is_apart", c_int),
+        ("jod", c_double),
+    ]
+
+
 class MatchLoss(Structure):
     _fields_ = [
         ("text", c_char_p),
@@ -701,73 +839,38 @@ class TrainReport(Structure):
     ]
 
 
-class TextureInfo(Structure):
+class Pairs(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("pairs", POINTER(NamedPair)),
+        ("names", c_void_p),
+        ("rows", c_void_p),
+        ("n_columns", c_size_t),
+        ("columns", c_void_p),
+        ("sha256", c_char_p),
+        ("left_out", c_void_p),
+        ("state", c_void_p),
+    ]
+
+
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
+
+
+class Translation(Structure):
+    _fields_ = [
+        ("match", MatchReport),
+        ("copied", c_char * 2048),
+        ("dropped", c_char * 300),
+        ("texture", TextureResult),
+    ]
+
+
+class TranslateModel(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("model", c_char_p),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_images", c_size_t),
-        ("n_bytes", c_size_t),
-        ("varying", c_char_p),
-        ("remark", c_char_p),
-    ]
-
-
-class TextureMap(Structure):
-    _fields_ = [
-        ("key", c_char_p),
-        ("height", c_size_t),
-        ("width", c_size_t),
-        ("channels", c_size_t),
-        ("values", c_void_p),
-    ]
-
-
-class TextureOptions(Structure):
-    _fields_ = [
-        ("exact", c_int),
-        ("n_texels", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("blame", c_int),
-        ("far", c_int),
-        ("seed", c_uint64),
-        ("progress", Progress),
-        ("progress_user", c_void_p),
-    ]
-
-
-class TextureBlame(Structure):
-    _fields_ = [
-        ("key", c_char * 48),
-        ("jod", c_double),
-        ("mistake", c_char * 80),
-    ]
-
-
-TEXTURE_MAX_BLAME = 32
-
-
-class TextureResult(Structure):
-    _fields_ = [
-        ("jod", c_double),
-        ("jod_low", c_double),
-        ("jod_high", c_double),
-        ("delta_e", c_double),
-        ("error", c_double),
-        ("parts", Label),
-        ("median", c_double),
-        ("worst", c_double),
-        ("below", c_double * 2),
-        ("far_jod", c_double * 3),
-        ("far_delta_e", c_double),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_different", c_size_t),
-        ("n_scored", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("n_blame", c_size_t),
-        ("blame", TextureBlame * 32),
+        ("alias", c_char_p),
+        ("extension", c_char * 8),
     ]
 
 
@@ -867,6 +970,16 @@ FUNCTIONS = {
     "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
     "nqm_jod_preference": (c_double, [c_double, c_double]),
     "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
+    "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
+    "nqm_texture_free": (None, [c_void_p]),
+    "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
+    "nqm_texture_options_default": (TextureOptions, []),
+    "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_library_open": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(LibraryOptions), c_void_p, POINTER(Error)]),
+    "nqm_library_free": (None, [POINTER(Library)]),
+    "nqm_library_near": (c_int, [POINTER(Library), POINTER(LibraryQuery), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_library_diff": (c_int, [POINTER(Library), POINTER(Library), c_void_p, c_void_p, POINTER(Error)]),
     "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
     "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_materials_count": (c_size_t, [c_void_p]),
@@ -876,10 +989,12 @@ FUNCTIONS = {
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
     "nqm_model_annotate": (c_int, [c_void_p, c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
-    "nqm_texture_free": (None, [c_void_p]),
-    "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
-    "nqm_texture_options_default": (TextureOptions, []),
-    "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_pairs_read": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_free": (None, [POINTER(Pairs)]),
+    "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
+    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
+    "nqm_translate_target": (TranslateModel, [c_size_t]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
 }
