@@ -17,7 +17,7 @@ from . import _abi
 from ._abi import NamedPair, SamplePair, ScoreResult
 from ._library import lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, Turns, address, array_at, call, choice, decode, encode, error_of, own_handle, progress_of,
+from ._call import (Error, PathLike, ProgressLike, Turns, address, array_at, call, choice, decode, encode, error_of, names_of, own_handle, progress_of,
                     status_text, words)
 
 METRICS = tuple(lib.nqm_metric_get_info(i).name.decode() for i in range(len(_abi.Metric)))
@@ -64,13 +64,11 @@ class Model:
     def open(cls, name_or_path: PathLike = "default") -> "Model":
         """A built-in model by name (`models` lists them), or a model file."""
         handle = c_void_p()
-        if name_or_path in models():
-            call(lib.nqm_model_builtin, encode(name_or_path), byref(handle))
-        elif isinstance(name_or_path, str) and not os.path.exists(name_or_path) and os.sep not in name_or_path:
+        if (isinstance(name_or_path, str) and name_or_path not in models() and not os.path.exists(name_or_path) and
+                os.sep not in name_or_path):
             raise Error("there is no model '%s': built in are %s; or give a model file" % (name_or_path, ", ".join(models())),
                         _abi.Status.MODEL)
-        else:
-            call(lib.nqm_model_load, encode(name_or_path), byref(handle))
+        call(lib.nqm_model_load, encode(name_or_path), byref(handle))
         model = object.__new__(cls)
         model._handle = handle
         own_handle(model, handle, lib.nqm_model_free)
@@ -110,7 +108,7 @@ def as_model(value: ModelLike) -> Model:
 
 def models() -> Tuple[str, ...]:
     """Names of the built-in models."""
-    return tuple(lib.nqm_model_builtin_name(i).decode() for i in range(lib.nqm_model_builtin_count()))
+    return names_of(lib.nqm_model_builtin_name)
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,7 @@ class Parts:
 
 
 def parts_of(label: _abi.Label) -> Parts:
-    words = lib.nqm_label_describe(byref(label), ctypes.create_string_buffer(_abi.LABEL_TEXT)).decode()
+    words = lib.nqm_label_get_info(byref(label)).words.decode()
     return Parts((label.shift[0], label.shift[1], label.shift[2]), label.contrast, label.structure, words)
 
 

@@ -196,4 +196,14 @@ NQM_MUST_CHECK nqm_status nqm_golden_check(const nqm_model *model, nqm_error *er
 /** The options of nqm_score_options. */
 extern const nqm_option_table nqm_score_option_table;
 
+/**
+ * The scalar metrics of one sampled pair, within 1e-6 relative. Any thread.
+ *
+ * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0; above 1e15 they count as 1e15
+ * @param used       (n) nonzero where the direction counts; NULL: all
+ * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
+ */
+NQM_MUST_CHECK nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
+                                              const uint8_t *used, double *metrics, nqm_error *err);
+
 #endif
