@@ -732,7 +732,7 @@ class Pairs(Structure):
         ("n_columns", c_size_t),
         ("columns", c_void_p),
         ("sha256", c_char_p),
-        ("left_out", c_char_p),
+        ("left_out", c_void_p),
         ("state", c_void_p),
     ]
 

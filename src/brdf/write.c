@@ -2,7 +2,7 @@
  *
  * Writes any BRDF as a table, and specs as material files, that other programs read.
  */
-#include "brdf/brdf.h"
+#include "brdf/core/spec.h"
 #include "material/material.h"
 
 static nqm_status read_values(const char *spec, const char *path, nqm_values *values, nqm_error *err) {

@@ -52,11 +52,9 @@ bool nqm_pairs_describe_distance(const char *argument, const double distance_deg
 
 bool nqm_pairs_describe_ignored(const char *argument, size_t n, char *text) {
     char words[NQM_IGNORE_SIZE];
-    unsigned ignored;
-    if (!nqm_ignore_prefix(argument, &ignored))
-        return false;
+    const unsigned ignored = nqm_argument_ignored(argument);
     snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
-    return true;
+    return ignored;
 }
 
 /* Remarks that are being written. */

@@ -3,7 +3,6 @@
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "base/names.h"
-#include "brdf/core/spec.h"
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
 #include "fit/open.h"
@@ -31,6 +30,11 @@ static bool is_word(const char *argument) {
     return !strpbrk(argument, "/.") && access(argument, F_OK) != 0;
 }
 
+static bool is_spec(const char *name) {
+    const nqm_argument_kind kind = nqm_argument_kind_of(name);
+    return kind == NQM_ARGUMENT_SPEC || kind == NQM_ARGUMENT_WRAPPER;
+}
+
 /* " (did you mean 'default'?)" for the nearest built-in model, or "". */
 static nqm_nearest nearest_model(const char *word) {
     nqm_nearest nearest = nqm_nearest_begin(word);
@@ -52,7 +56,7 @@ static _Noreturn void stop_unknown_model(const char *name) {
              "there is no model '%s': it is %s, which --metrics %s adds to the results of score and batch; eval always "
              "has them",
              name, is_all ? "the word for all scalar metrics" : "a scalar metric", name);
-    if (nqm_spec_probe(name))
+    if (is_spec(name))
         stop(EXIT_MODEL, "'%s' is a BRDF, not a model: built in are %s; or give a model file", name, known);
     if (*known)
         stop(EXIT_MODEL, "there is no model '%s'%s: built in are %s; or give a model file", name, nearest.advice,
@@ -87,7 +91,7 @@ char *join_with_colon(const char *a, const char *b) {
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    if (!is_builtin(name) && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
+    if (!is_builtin(name) && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
     must(nqm_model_load(name, &model, &fault));
     return model;
@@ -132,7 +136,7 @@ void report_remark(const nqm_brdf *brdf) {
 nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     refuse_model_name(argument);
-    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &fault), &fault));
+    must(nqm_fit_open(argument, NULL, &brdf, &fault));
     return brdf;
 }
 
@@ -170,7 +174,7 @@ const char **take_names(int n, char **arguments) {
     nqm_pairs_name *given = allocate((size_t)n, sizeof *given);
     size_t n_given = 0, group = 0;
     for (int i = 0; i < n; ++i) {
-        const size_t n_name = nqm_pairs_name_length(arguments[i]);
+        const size_t n_name = nqm_argument_name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
@@ -189,58 +193,36 @@ const char **take_names(int n, char **arguments) {
     return names;
 }
 
-bool is_file(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISREG(about.st_mode);
-}
-
-const char *member_name(const char *argument) {
-    unsigned ignored;
-    argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
-    return colon ? colon + 1 : NULL;
-}
-
-static nqm_pairs_files read_files;
-
-const nqm_materials *parsed_materials(const char *path) {
-    const nqm_materials *materials = nqm_pairs_materials(&read_files, path);
-    if (read_files.is_short)
-        stop(EXIT_LIMIT, "out of memory");
-    return materials;
-}
-
-const nqm_materials *read_library(const char *argument) {
-    const nqm_materials *materials = parsed_materials(argument);
-    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
+nqm_argument *parse_argument(const char *text) {
+    return must_have(nqm_argument_parse(text, NULL));
 }
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
 
 const char *ignored_words, *within;
 
-bool find_material(const char *argument, nqm_material_info *info) {
-    return nqm_pairs_find_material(&read_files, argument, info);
-}
-
 bool has_same_refusal(const nqm_named_pair *pair) {
-    return nqm_pairs_refused_alike(&read_files, pair);
+    return nqm_pairs_refused_alike(NULL, pair);
 }
 
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
-        stop(EXIT_USAGE,
-             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
-             "not '%s'",
-             ignored_words);
+        must(nqm_ignore_refuse(ignored_words, &fault));
     return ignored;
 }
 
 const char *reflecting(const char *argument) {
-    const size_t n_name = nqm_pairs_name_length(argument), at = n_name ? n_name + 1 : 0;
-    const char *text = nqm_pairs_reflecting(&read_files, argument + at, ignored_set());
-    return !text ? argument : at ? must_have(nqm_strdupf("%.*s%s", (int)at, argument, text)) : text;
+    const unsigned ignored = ignored_set();
+    const size_t n_name = nqm_argument_name_length(argument), at = n_name ? n_name + 1 : 0;
+    nqm_argument *a = ignored ? parse_argument(argument + at) : NULL;
+    char *taken = a ? nqm_argument_reflecting(a, ignored) : NULL;
+    nqm_argument_free(a);
+    if (!taken || !at)
+        return taken ? taken : argument;
+    char *text = must_have(nqm_strdupf("%.*s%s", (int)at, argument, taken));
+    nqm_free(taken);
+    return text;
 }
 
 bool is_folder(const char *path) {

@@ -32,9 +32,9 @@ static int print_brdf(const char *argument, bool json) {
 }
 
 /* A material with image maps, which are decoded. */
-static int print_texture(const char *argument, bool json) {
+static int print_texture(nqm_argument *argument, bool json) {
     nqm_texture *texture;
-    must(nqm_texture_open(argument, show_progress, NULL, &texture, &fault));
+    must(nqm_texture_open_argument(argument, show_progress, NULL, &texture, &fault));
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
     json_t *members = json_row("kind:s name:s model:s width:z height:z n_images:z n_bytes:z varying:s remark:t",
@@ -100,19 +100,6 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_array_foreach(list, i, entry) print_material(entry);
     json_decref(list);
     return EXIT_OK;
-}
-
-/* Files that are no material files, and those with one material, are BRDFs: opening one has the best message too. */
-static int print_file_of_brdfs(const char *argument, bool json) {
-    nqm_materials *materials = NULL;
-    int code = EXIT_OK;
-    const bool is_list = nqm_materials_open(argument, &materials, NULL) == NQM_OK;
-    if (is_list && nqm_materials_count(materials) > 1)
-        code = print_materials(argument, materials, json);
-    else
-        code = print_brdf(argument, json);
-    nqm_materials_free(materials);
-    return code;
 }
 
 static int print_dataset(const char *path, bool json) {
@@ -349,7 +336,12 @@ int cmd_info(int argc, char **argv) {
         return annotate_model(argv[0], notes, half, output);
     if (is_builtin(argv[0]))
         return print_model(argv[0], json);
-    if (is_textured(argv[0]))
-        return print_texture(argv[0], json);
-    return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);
+    nqm_argument *argument = parse_argument(argv[0]);
+    const nqm_materials *several = nqm_argument_library(argument);
+    const int code = nqm_argument_is_textured(argument) ? print_texture(argument, json)
+                     : several                          ? print_materials(argv[0], several, json)
+                     : looks_like_safetensors(argv[0])  ? print_file(argv[0], json)
+                                                        : print_brdf(argv[0], json);
+    nqm_argument_free(argument);
+    return code;
 }

@@ -481,7 +481,7 @@ static int fit_folder(const char *folder, const fit_request *request, fit_terms 
         const nqm_library_member *m = &of->members[i];
         nqm_brdf *ref = NULL;
         nqm_error err = {0};
-        const nqm_status status = explain_texture(m->argument, nqm_brdf_open(m->argument, &ref, &err), &err);
+        const nqm_status status = nqm_brdf_open(m->argument, &ref, &err);
         const int code =
             status == NQM_OK ? fit_reference(ref, m->argument, m->key, request, terms) : exit_code_of(status);
         if (status != NQM_OK)

@@ -16,7 +16,10 @@
 static void open_textures(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i];
-        const nqm_status status = open_textured(item->name, &item->texture, &item->err);
+        item->argument = parse_argument(item->name);
+        if (!nqm_argument_is_textured(item->argument))
+            continue;
+        const nqm_status status = open_texture(item->argument, &item->texture, &item->err);
         if (status != NQM_OK && (item->reference == i || status == NQM_ERR_CANCELLED))
             stop_error(&item->err);
     }
@@ -57,7 +60,7 @@ static nqm_status render_item(const label_run *run, label_item *item) {
     const nqm_texture_view view = view_of_group(run, item->reference);
     if (item->texture)
         return nqm_scene_render_texture(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
-    return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->made, &item->err);
+    return render_brdf(run->scene, item->argument, true, item->rgb_cdm2, &item->made, &item->err);
 }
 
 static nqm_scene_picture picture_of(const label_item *item) {
@@ -177,6 +180,7 @@ void free_labels(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         forget_picture(&run->items[i]);
         nqm_texture_free(run->items[i].texture);
+        nqm_argument_free(run->items[i].argument);
     }
     free(run->items);
     free(run->delta_e);

@@ -157,10 +157,10 @@ void draw_map(const nqm_scene *scene, const canvas *c, const double *values, dou
     }
 }
 
-nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, rendered *r,
+nqm_status render_brdf(const nqm_scene *scene, nqm_argument *argument, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err) {
     static bool is_said;
-    nqm_status status = nqm_brdf_open(name, &r->brdf, err);
+    nqm_status status = nqm_argument_open(argument, &r->brdf, err);
     r->valid = 1;
     r->is_tabulated = status == NQM_OK && nqm_scene_tabulates(scene, r->brdf);
     if (r->is_tabulated && !is_said)

@@ -3,8 +3,8 @@
  * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
  * CSV and JSON.
  */
+#include "argument/argument.h"
 #include "base/names.h"
-#include "brdf/brdf.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 
@@ -17,8 +17,8 @@
 nqm_pairs *expand_pairs(const nqm_pairs *pairs) {
     nqm_pairs *expanded;
     must(nqm_pairs_expand(pairs, ignored_words, &expanded, &fault));
-    for (const char *text = expanded->left_out; *text; text += strlen(text) + 1)
-        report(EXIT_OK, "%s", text);
+    for (const char *const *text = expanded->left_out; *text; ++text)
+        report(EXIT_OK, "%s", *text);
     return expanded;
 }
 
