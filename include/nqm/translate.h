@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. Experimental.
+ * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. NQM_EXPERIMENTAL.
  * In libnqm-full only. Any thread.
  */
 #ifndef NQM_TRANSLATE_H

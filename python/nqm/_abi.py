@@ -77,12 +77,14 @@ class BrdfCallbacks(Structure):
     ]
 
 
-class TableFormat(enum.IntEnum):
-    """`nqm_table_format`"""
+class FileFormat(enum.IntEnum):
+    """`nqm_file_format`"""
 
     MERL = 0
     MERL_360 = 1
     NPY = 2
+    SAFETENSORS = 3
+    MATERIAL = 4
 
 
 class BrdfCheckReport(Structure):
@@ -123,6 +125,15 @@ class DirectionsOptions(Structure):
         ("oversampling", c_double),
         ("progress", Progress),
         ("progress_user", c_void_p),
+    ]
+
+
+class DirectionsInfo(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("degrees", c_void_p),
+        ("wi", c_void_p),
+        ("wo", c_void_p),
     ]
 
 
@@ -277,6 +288,14 @@ class Label(Structure):
 LABEL_TEXT = 160
 
 
+class LabelInfo(Structure):
+    _fields_ = [
+        ("jod_error", c_double),
+        ("adapted_jod", c_double),
+        ("words", c_char * 160),
+    ]
+
+
 class SceneKind(enum.IntEnum):
     """`nqm_scene_kind`"""
 
@@ -306,6 +325,14 @@ class SceneOptions(Structure):
         ("exact", c_int),
         ("progress", Progress),
         ("progress_user", c_void_p),
+    ]
+
+
+class SceneInfo(Structure):
+    _fields_ = [
+        ("n_points", c_size_t),
+        ("weights", c_void_p),
+        ("pixels", c_void_p),
     ]
 
 
@@ -439,6 +466,7 @@ class FitReport(Structure):
 
 
 FIT_N_ENCODINGS = 9
+FIT_FIRST_SHADING = 22
 
 
 class Metric(enum.IntEnum):
@@ -525,6 +553,144 @@ class ScoreQuantity(enum.IntEnum):
     DELTA_E = 1
 
 
+class TextureInfo(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("model", c_char_p),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_images", c_size_t),
+        ("n_bytes", c_size_t),
+        ("varying", c_char_p),
+        ("remark", c_char_p),
+    ]
+
+
+class TextureMap(Structure):
+    _fields_ = [
+        ("key", c_char_p),
+        ("height", c_size_t),
+        ("width", c_size_t),
+        ("channels", c_size_t),
+        ("values", c_void_p),
+    ]
+
+
+class TextureOptions(Structure):
+    _fields_ = [
+        ("exact", c_int),
+        ("n_texels", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("blame", c_int),
+        ("far", c_int),
+        ("seed", c_uint64),
+        ("progress", Progress),
+        ("progress_user", c_void_p),
+    ]
+
+
+class TextureBlame(Structure):
+    _fields_ = [
+        ("key", c_char * 48),
+        ("jod", c_double),
+        ("mistake", c_char * 80),
+    ]
+
+
+TEXTURE_MAX_BLAME = 32
+
+
+class TextureResult(Structure):
+    _fields_ = [
+        ("jod", c_double),
+        ("jod_low", c_double),
+        ("jod_high", c_double),
+        ("delta_e", c_double),
+        ("error", c_double),
+        ("parts", Label),
+        ("median", c_double),
+        ("worst", c_double),
+        ("below", c_double * 2),
+        ("far_jod", c_double * 3),
+        ("far_delta_e", c_double),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_different", c_size_t),
+        ("n_scored", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("n_blame", c_size_t),
+        ("blame", TextureBlame * 32),
+    ]
+
+
+class LibraryMember(Structure):
+    _fields_ = [
+        ("argument", c_char_p),
+        ("key", c_char_p),
+        ("is_textured", c_int),
+    ]
+
+
+class LibraryOptions(Structure):
+    _fields_ = [
+        ("ignore", c_char_p),
+        ("index", c_char_p),
+        ("score", POINTER(ScoreOptions)),
+        ("progress", Progress),
+        ("report", CFUNCTYPE(None, c_void_p, c_int, c_char_p)),
+        ("user", c_void_p),
+    ]
+
+
+class Library(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("members", POINTER(LibraryMember)),
+        ("n_failed", c_size_t),
+        ("path", c_char_p),
+        ("state", c_void_p),
+    ]
+
+
+class LibraryValue(Structure):
+    _fields_ = [
+        ("text", c_char_p),
+        ("n", c_size_t),
+        ("v", c_double * 3),
+    ]
+
+
+class LibraryChange(Structure):
+    _fields_ = [
+        ("property", c_char * 48),
+        ("before", LibraryValue),
+        ("after", LibraryValue),
+    ]
+
+
+class LibraryPair(Structure):
+    _fields_ = [
+        ("ref", c_size_t),
+        ("test", c_size_t),
+        ("names", NamedPair),
+        ("result", ScoreResult),
+        ("error", Error),
+        ("texture", POINTER(TextureResult)),
+        ("is_refused_alike", c_int),
+        ("n_changes", c_size_t),
+        ("changes", POINTER(LibraryChange)),
+    ]
+
+
+class LibraryQuery(Structure):
+    _fields_ = [
+        ("to", c_char_p),
+        ("n", c_size_t),
+        ("is_apart", c_int),
+        ("jod", c_double),
+    ]
+
+
 class MatchLoss(Structure):
     _fields_ = [
         ("text", c_char_p),
@@ -555,6 +721,24 @@ class MaterialInfo(Structure):
         ("ignorable", c_char_p),
         ("reflection", c_char_p),
     ]
+
+
+class Pairs(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("pairs", POINTER(NamedPair)),
+        ("names", c_void_p),
+        ("rows", c_void_p),
+        ("n_columns", c_size_t),
+        ("columns", c_void_p),
+        ("sha256", c_char_p),
+        ("left_out", c_void_p),
+        ("state", c_void_p),
+    ]
+
+
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
 
 
 class Schedule(enum.IntEnum):
@@ -701,73 +885,20 @@ class TrainReport(Structure):
     ]
 
 
-class TextureInfo(Structure):
+class Translation(Structure):
+    _fields_ = [
+        ("match", MatchReport),
+        ("copied", c_char * 2048),
+        ("dropped", c_char * 300),
+        ("texture", TextureResult),
+    ]
+
+
+class TranslateModel(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("model", c_char_p),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_images", c_size_t),
-        ("n_bytes", c_size_t),
-        ("varying", c_char_p),
-        ("remark", c_char_p),
-    ]
-
-
-class TextureMap(Structure):
-    _fields_ = [
-        ("key", c_char_p),
-        ("height", c_size_t),
-        ("width", c_size_t),
-        ("channels", c_size_t),
-        ("values", c_void_p),
-    ]
-
-
-class TextureOptions(Structure):
-    _fields_ = [
-        ("exact", c_int),
-        ("n_texels", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("blame", c_int),
-        ("far", c_int),
-        ("seed", c_uint64),
-        ("progress", Progress),
-        ("progress_user", c_void_p),
-    ]
-
-
-class TextureBlame(Structure):
-    _fields_ = [
-        ("key", c_char * 48),
-        ("jod", c_double),
-        ("mistake", c_char * 80),
-    ]
-
-
-TEXTURE_MAX_BLAME = 32
-
-
-class TextureResult(Structure):
-    _fields_ = [
-        ("jod", c_double),
-        ("jod_low", c_double),
-        ("jod_high", c_double),
-        ("delta_e", c_double),
-        ("error", c_double),
-        ("parts", Label),
-        ("median", c_double),
-        ("worst", c_double),
-        ("below", c_double * 2),
-        ("far_jod", c_double * 3),
-        ("far_delta_e", c_double),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_different", c_size_t),
-        ("n_scored", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("n_blame", c_size_t),
-        ("blame", TextureBlame * 32),
+        ("alias", c_char_p),
+        ("extension", c_char * 8),
     ]
 
 
@@ -776,10 +907,8 @@ FUNCTIONS = {
     "nqm_status_text": (c_char_p, [c_int]),
     "nqm_version": (c_char_p, []),
     "nqm_build_info": (c_char_p, []),
-    "nqm_precision_name": (c_char_p, [c_int]),
     "nqm_kernels_name": (c_char_p, [c_size_t]),
     "nqm_kernels_select": (c_int, [c_char_p, POINTER(Error)]),
-    "nqm_kernels_selected": (c_char_p, []),
     "nqm_files_within": (c_int, [c_char_p, POINTER(Error)]),
     "nqm_brdf_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_brdf_create": (c_int, [POINTER(BrdfCallbacks), c_void_p, POINTER(Error)]),
@@ -791,10 +920,7 @@ FUNCTIONS = {
     "nqm_brdf_jacobian": (c_int, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_half_diff_to_directions": (None, [c_void_p, c_void_p, c_void_p]),
     "nqm_directions_to_half_diff": (None, [c_void_p, c_void_p, c_void_p]),
-    "nqm_brdf_write": (c_int, [c_void_p, c_int, c_char_p, Progress, c_void_p, POINTER(Error)]),
-    "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, POINTER(Error)]),
-    "nqm_brdf_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_brdf_preset_count": (c_size_t, []),
+    "nqm_brdf_write": (c_int, [c_void_p, c_int, c_char_p, c_char_p, Progress, c_void_p, POINTER(Error)]),
     "nqm_brdf_preset_name": (c_char_p, [c_size_t]),
     "nqm_brdf_check": (c_int, [c_void_p, c_uint64, POINTER(BrdfCheckReport), POINTER(Error)]),
     "nqm_brdf_compare": (c_int, [c_void_p, c_void_p, c_double, c_uint64, POINTER(BrdfDifference), POINTER(Error)]),
@@ -805,58 +931,40 @@ FUNCTIONS = {
     "nqm_directions_load_csv": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_directions_save_csv": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
     "nqm_directions_free": (None, [c_void_p]),
-    "nqm_directions_count": (c_size_t, [c_void_p]),
-    "nqm_directions_degrees": (c_void_p, [c_void_p]),
-    "nqm_directions_wi": (c_void_p, [c_void_p]),
-    "nqm_directions_wo": (c_void_p, [c_void_p]),
+    "nqm_directions_get_info": (DirectionsInfo, [c_void_p]),
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), POINTER(Error)]),
     "nqm_samples_save_mat": (c_int, [c_void_p, c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_dataset_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_dataset_load_authors": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
+    "nqm_dataset_load": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
     "nqm_dataset_free": (None, [c_void_p]),
     "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
     "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_model_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_model_from_memory": (c_int, [c_void_p, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_model_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_model_builtin": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_model_builtin_count": (c_size_t, []),
     "nqm_model_builtin_name": (c_char_p, [c_size_t]),
     "nqm_model_free": (None, [c_void_p]),
     "nqm_model_get_info": (ModelInfo, [c_void_p]),
-    "nqm_delta_e_itp": (c_double, [c_void_p, c_void_p]),
     "nqm_curve_default": (Curve, []),
     "nqm_curve_jod": (c_double, [POINTER(Curve), c_double]),
     "nqm_regress": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(RegressReport), POINTER(Error)]),
-    "nqm_label_adapted_jod": (c_double, [POINTER(Label)]),
-    "nqm_label_jod_error": (c_double, [POINTER(Label)]),
-    "nqm_label_describe": (c_char_p, [POINTER(Label), c_char_p]),
+    "nqm_label_get_info": (LabelInfo, [POINTER(Label)]),
     "nqm_scene_options_default": (SceneOptions, []),
     "nqm_scene_create": (c_int, [POINTER(SceneOptions), c_void_p, POINTER(Error)]),
     "nqm_scene_free": (None, [c_void_p]),
-    "nqm_scene_count": (c_size_t, [c_void_p]),
+    "nqm_scene_get_info": (SceneInfo, [c_void_p]),
     "nqm_scene_render": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_scene_render_halves": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_scene_weights": (c_void_p, [c_void_p]),
-    "nqm_scene_pixels": (c_void_p, [c_void_p]),
     "nqm_rays_draw": (c_int, [c_void_p, c_size_t, c_uint64, POINTER(Rays), POINTER(Error)]),
     "nqm_rays_clear": (None, [POINTER(Rays)]),
-    "nqm_scene_compare": (Label, [c_void_p, c_void_p, c_void_p]),
+    "nqm_scene_compare": (Label, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_scene_label": (c_int, [c_void_p, POINTER(ScenePicture), POINTER(ScenePicture), POINTER(Label), c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_scene_delta_e_map": (None, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_rays_compare": (c_int, [POINTER(Rays), c_void_p, c_void_p, POINTER(Label), c_void_p, POINTER(Error)]),
     "nqm_transport_create": (c_int, [POINTER(SceneOptions), c_int, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_corpus_options_default": (CorpusOptions, []),
     "nqm_corpus_build": (c_int, [c_size_t, POINTER(CorpusPair), c_void_p, POINTER(CorpusOptions), c_char_p, POINTER(Error)]),
     "nqm_fit_options_default": (FitOptions, []),
     "nqm_fit_model": (c_char_p, [c_size_t]),
-    "nqm_fit_shading": (c_char_p, [c_size_t]),
-    "nqm_fit_model_has": (c_int, [c_char_p, c_char_p]),
-    "nqm_fit": (c_int, [c_void_p, c_char_p, POINTER(FitOptions), POINTER(FitReport), c_void_p, POINTER(Error)]),
     "nqm_metric_get_info": (MetricInfo, [c_int]),
-    "nqm_metric_name": (c_char_p, [c_int]),
-    "nqm_metrics_compute": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_score_options_default": (ScoreOptions, []),
     "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
     "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
@@ -867,19 +975,30 @@ FUNCTIONS = {
     "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
     "nqm_jod_preference": (c_double, [c_double, c_double]),
     "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
-    "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
-    "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_materials_count": (c_size_t, [c_void_p]),
-    "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
-    "nqm_materials_free": (None, [c_void_p]),
-    "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
-    "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
-    "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
-    "nqm_model_annotate": (c_int, [c_void_p, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
     "nqm_texture_free": (None, [c_void_p]),
     "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
     "nqm_texture_options_default": (TextureOptions, []),
     "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_library_open": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(LibraryOptions), c_void_p, POINTER(Error)]),
+    "nqm_library_free": (None, [POINTER(Library)]),
+    "nqm_library_near": (c_int, [POINTER(Library), POINTER(LibraryQuery), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_library_diff": (c_int, [POINTER(Library), POINTER(Library), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
+    "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_materials_count": (c_size_t, [c_void_p]),
+    "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
+    "nqm_materials_free": (None, [c_void_p]),
+    "nqm_pairs_read": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_free": (None, [POINTER(Pairs)]),
+    "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
+    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
+    "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
+    "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
+    "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
+    "nqm_translate_target": (TranslateModel, [c_size_t]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
 }

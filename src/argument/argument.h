@@ -125,4 +125,21 @@ nqm_status nqm_argument_open_material(const nqm_argument *argument, const char *
 /* As nqm_brdf_open(), with another name for the BRDF's information. */
 nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
+/* ---- BRDFs that are not open yet ---------------------------------------------------------------------------------- */
+
+/** A BRDF that is not open yet: of a name, or of values; with a tilted normal. It borrows both. */
+typedef struct nqm_subject {
+    const char *name; /**< of nqm_brdf_open(); NULL: of `values`, in their ranges */
+    const nqm_values *values;
+    double tilt_deg, azimuth_deg; /**< of the normal, as in "tilt:"; 0: it is (0, 0, 1) */
+} nqm_subject;
+nqm_subject nqm_subject_named(const char *name);
+/** Set the normal, a unit vector: tilted by at most 60 degrees, and not below a thousandth. */
+void nqm_subject_tilt(nqm_subject *subject, const double normal[3]);
+/** Whether they have the same name, or the same values, and the same normal. */
+bool nqm_subjects_equal(const nqm_subject *a, const nqm_subject *b);
+uint64_t nqm_subject_hash(const nqm_subject *subject);
+/** Open it; the errors of nqm_brdf_open(). files: where material files stay parsed; NULL: nowhere. Any thread. */
+NQM_MUST_CHECK nqm_status nqm_subject_open(const nqm_subject *subject, nqm_argument_files *files, nqm_brdf **brdf_ret,
+                                           nqm_error *err);
 #endif

@@ -89,6 +89,10 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi
 /** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(), with several phi_h
  *  unless it is_isotropic. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, bool is_isotropic, const char *path, nqm_error *err);
+/** Write a network or a table as safetensors (NQM_FILE_SAFETENSORS). */
+NQM_MUST_CHECK nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err);
+/** Write the spec of a shading model as NQM_FILE_MATERIAL. */
+NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err);
 /** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names,
                                                    const char *path, nqm_error *err);
@@ -97,6 +101,10 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 
 /** The BRDF of values in their ranges: without a spec, and with the name of its model. */
 NQM_MUST_CHECK nqm_status nqm_brdf_of_values(const nqm_values *values, nqm_brdf **brdf_ret, nqm_error *err);
+/** "tilt:" of a BRDF, which the result owns, also on failure. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tilt_degrees(nqm_brdf *of, double deg, double azimuth_deg, nqm_brdf **brdf_ret,
+                                                nqm_error *err);
+
 /** The normal of the frame of a BRDF that is turned or tilted, in that of the surface; else (0, 0, 1). */
 void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]);
 /** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */

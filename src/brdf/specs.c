@@ -67,12 +67,8 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
 
 /* ---- names of presets --------------------------------------------------------------------------------------------- */
 
-size_t nqm_brdf_preset_count(void) {
-    return nqm_preset_name_count;
-}
-
 const char *nqm_brdf_preset_name(size_t i) {
-    return nqm_preset_names[i];
+    return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

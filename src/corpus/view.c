@@ -11,7 +11,7 @@
 #include <string.h>
 
 nqm_status nqm_corpus_view_alloc(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err) {
-    size_t n = corpus->n_directions, n_points = nqm_scene_count(corpus->scene);
+    size_t n = corpus->n_directions, n_points = nqm_scene_get_info(corpus->scene).n_points;
     return nqm_alloc_arrays(NQM_ARRAYS({&view->rgb, n, 3 * sizeof *view->rgb}, {&view->used, n, 1},
                                        {&view->picture, n_points, 9 * sizeof *view->picture}),
                             err);
@@ -71,7 +71,7 @@ static nqm_status open_nested(const opening *o, const char *argument, nqm_brdf *
     const nqm_fit_context context = {.open = open_any,
                                      .user = (void *)o,
                                      .n_own = o->corpus->n_directions,
-                                     .own_deg = nqm_directions_degrees(o->corpus->directions),
+                                     .own_deg = nqm_directions_get_info(o->corpus->directions).degrees,
                                      .progress = ask,
                                      .progress_user = (void *)o->corpus};
     return nqm_fit_open(argument, &context, brdf_ret, err);

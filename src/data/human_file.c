@@ -183,8 +183,8 @@ static nqm_status build_dataset(reader *r) {
     if (status != NQM_OK)
         return status;
     const nqm_directions *directions = given ? given : made;
-    const nqm_dataset_limits limits = {.n_directions = nqm_directions_count(directions),
-                                       .directions_deg = nqm_directions_degrees(directions),
+    const nqm_dataset_limits limits = {.n_directions = nqm_directions_get_info(directions).n,
+                                       .directions_deg = nqm_directions_get_info(directions).degrees,
                                        .max_refs = r->n_refs,
                                        .max_pairs = r->n_pairs,
                                        .has_masks = true};

@@ -173,7 +173,7 @@ static inline void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const fl
     nqm_kernels_get()->adam(n, rate, grad, m, v, param);
 }
 
-/** nqm_precision_name() as a NULL-terminated list. */
+/** The names of nqm_precision, "f32" and "bf16", then NULL. */
 extern const char *const nqm_precision_words[];
 
 #endif

@@ -80,11 +80,14 @@ static void add_pair(expansion *e, const char *ref, const char *test, const char
     e->s.is_made[at] = is_made;
 }
 
-static void leave_out(expansion *e, const nqm_named_pair *pair, const char *material) {
-    char *text = nqm_strdupf("%s:%s is not compared: %s has no material of this name", pair->test, material, pair->ref);
-    if (!text || nqm_names_add(&e->s.text, text, strlen(text), NULL) != NQM_OK)
-        e->is_short = true;
-    nqm_free(text);
+/* Add a message on a material without a partner, or the end (NULL). */
+static void leave_out(expansion *e, const char *message) {
+    const char **left_out = nqm_grow(e->s.left_out, &e->s.max_left_out, e->s.n_left_out + 1, sizeof *left_out);
+    e->is_short = e->is_short || !left_out;
+    if (left_out) {
+        e->s.left_out = left_out;
+        left_out[e->s.n_left_out++] = message;
+    }
 }
 
 static void add_materials(expansion *e, const nqm_named_pair *pair, const char *name, size_t row,
@@ -101,7 +104,8 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
         const char *material = nqm_materials_get(test, i).name;
         nqm_materials_named(ref, material, &n);
         if (n == 0)
-            leave_out(e, pair, material);
+            leave_out(e, own(e, nqm_strdupf("%s:%s is not compared: %s has no material of this name", pair->test,
+                                            material, pair->ref)));
     }
 }
 
@@ -167,14 +171,15 @@ nqm_status nqm_pairs_expand(const nqm_pairs *of, const char *ignore, nqm_pairs *
     nqm_status status = of->state ? add_list(e, err) : NQM_OK;
     for (size_t i = 0; !of->state && i < of->n && !e->is_short; ++i)
         add_row(e, &of->pairs[i], of->names ? of->names[i] : NULL, i);
-    if (status == NQM_OK && (e->is_short || nqm_names_add(&e->s.text, "", 0, NULL) != NQM_OK))
+    leave_out(e, NULL);
+    if (status == NQM_OK && e->is_short)
         status = nqm_fail_nomem(err, e->pairs.n * sizeof *e->s.pair);
     nqm_argument_files_free(e->files);
     e->files = NULL;
     e->pairs.pairs = e->s.pair;
     e->pairs.names = e->s.name;
     e->pairs.rows = e->s.row;
-    e->pairs.left_out = e->s.text.text;
+    e->pairs.left_out = e->s.left_out;
     if (status == NQM_OK)
         *expanded_ret = &e->pairs;
     else

@@ -29,7 +29,7 @@ struct nqm_pairs_state {
     size_t *row_begin; /**< (n + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and whether the text is JSON */
-    nqm_names text; /**< (n_cells); of expanded pairs `left_out` */
+    nqm_names text; /**< (n_cells) */
     /* of expanded pairs: */
     const nqm_pairs *of;
     const char **name;
@@ -37,6 +37,8 @@ struct nqm_pairs_state {
     bool *is_made; /**< (n) the pair is one of several materials */
     size_t n_owned, max_owned;
     char **owned; /**< (n_owned) texts */
+    size_t n_left_out, max_left_out;
+    const char **left_out;
 };
 
 /** Cell i of a row, in the order of the row; false: it has fewer. Rows of JSON Lines may lack columns; pairs that are expanded have the

@@ -116,7 +116,7 @@ const char *nqm_pairs_remarks(const nqm_model *model, nqm_invalid_policy invalid
                               const char *ref, const char *test, const nqm_score_result *r, char *text) {
     assert(model && test && r && text);
     const nqm_named_pair none = {NULL, NULL}, *arguments = pair ? pair : &none;
-    remarks to = {nqm_directions_count(nqm_model_get_info(model).directions), invalid, r, text};
+    remarks to = {nqm_directions_get_info(nqm_model_get_info(model).directions).n, invalid, r, text};
     char distance[400];
     if (ref && nqm_pairs_describe_distance(ref, r->distance_deg, sizeof distance, distance))
         add_remark(&to, "%s", distance);

@@ -386,23 +386,11 @@ nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i)
     return values;
 }
 
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i) {
-    const nqm_values values = nqm_texture_values(t, rows, i);
-    return t->argument ? nqm_strdup(t->argument) : nqm_values_spec(&values);
-}
-
-char *nqm_texture_tilt(char *spec, const double normal[3]) {
-    enum { MORE = 100 };
-    const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
-    if (!spec || degrees < 1e-3)
-        return spec;
-    char numbers[2][32], *tilted = nqm_alloc(strlen(spec) + MORE, 1);
-    if (tilted)
-        snprintf(tilted, strlen(spec) + MORE, "tilt:deg=%s;azimuth=%s;of=%s",
-                 nqm_format_double(numbers[0], sizeof numbers[0], fmin(degrees, 60)),
-                 nqm_format_double(numbers[1], sizeof numbers[1], atan2(normal[1], normal[0]) * 180 / NQM_PI), spec);
-    nqm_free(spec);
-    return tilted;
+nqm_subject nqm_texture_subject(const nqm_texture *t, const float *rows, size_t i, nqm_values *values) {
+    if (t->argument)
+        return nqm_subject_named(t->argument);
+    *values = nqm_texture_values(t, rows, i);
+    return (nqm_subject){.values = values};
 }
 
 nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **brdf_ret, double normal[3],
@@ -415,9 +403,9 @@ nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **b
         return nqm_fail_nomem(err, n * sizeof *rows);
     nqm_texture_evaluate(t, 1, &at[0], &at[1], rows);
     nqm_texture_normal(t, rows, 0, normal);
-    char *spec = nqm_texture_spec(t, rows, 0);
-    nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_values));
-    nqm_free(spec);
+    nqm_values values;
+    const nqm_subject subject = nqm_texture_subject(t, rows, 0, &values);
     nqm_free(rows);
-    return status;
+    nqm_status status = subject.name ? NQM_OK : nqm_values_check(&values, err);
+    return status == NQM_OK ? nqm_subject_open(&subject, NULL, brdf_ret, err) : status;
 }

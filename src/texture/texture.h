@@ -74,10 +74,8 @@ NQM_MUST_CHECK nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err);
 void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]);
 /** The values of the material there, of a texture without argument. */
 nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i);
-/** Their spec, or the argument. nqm_free(); NULL: out of memory. */
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i);
-/** "tilt:...;of=SPEC" of a spec, which is freed, towards a unit vector; the spec itself where that is the normal. */
-char *nqm_texture_tilt(char *spec, const double normal[3]);
+/** The material there, without its normal: *values receives the values, unless it is an argument. */
+nqm_subject nqm_texture_subject(const nqm_texture *t, const float *rows, size_t i, nqm_values *values);
 
 /** Texels along u (axis 0) or v of one period of both, and by how many such periods the surface is tiled. */
 size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret);

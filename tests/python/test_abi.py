@@ -66,7 +66,7 @@ def expected():
             rows.append(("sizeof(((%s *)0)->%s)" % (name, field), getattr(struct, field).size))
     rows += [("NQM_OK" if s == 0 else "NQM_ERR_" + s.name, s.value) for s in _abi.Status]
     for prefix, words in (("NQM_INVALID_", _abi.InvalidPolicy), ("NQM_SCORE_", _abi.ScoreQuantity), ("NQM_SCENE_", _abi.SceneKind),
-                          ("NQM_SPLIT_", _abi.Split), ("NQM_TABLE_", _abi.TableFormat)):
+                          ("NQM_SPLIT_", _abi.Split), ("NQM_FILE_", _abi.FileFormat)):
         rows += [(prefix + word.name, word.value) for word in words]
     return rows + [("NQM_METRIC_COUNT", len(_abi.Metric)), ("NQM_SCORE_BLOCK", _abi.SCORE_BLOCK)]
 

@@ -9,7 +9,7 @@ import re
 import subprocess
 import sys
 
-MAX_FUNCTIONS = 114
+MAX_FUNCTIONS = 88
 MAX_FIELDS = 20
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
 faults = []

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 bool is_builtin(const char *name) {
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i)
         if (strcmp(nqm_model_builtin_name(i), name) == 0)
             return true;
     return false;
@@ -38,7 +38,7 @@ static bool is_spec(const char *name) {
 /* " (did you mean 'default'?)" for the nearest built-in model, or "". */
 static nqm_nearest nearest_model(const char *word) {
     nqm_nearest nearest = nqm_nearest_begin(word);
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i)
         nqm_nearest_add(&nearest, nqm_model_builtin_name(i));
     return nearest;
 }
@@ -46,11 +46,11 @@ static nqm_nearest nearest_model(const char *word) {
 static _Noreturn void stop_unknown_model(const char *name) {
     char known[256] = "";
     const nqm_nearest nearest = nearest_model(name);
-    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i)
+    for (size_t i = 0, n = 0; nqm_model_builtin_name(i) && n < sizeof known; ++i)
         n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
     bool is_all = strcmp(name, "all") == 0, is_metric = is_all;
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        is_metric |= strcmp(nqm_metric_name((nqm_metric)m), name) == 0;
+        is_metric |= strcmp(nqm_metric_get_info((nqm_metric)m).name, name) == 0;
     if (is_metric)
         stop(EXIT_MODEL,
              "there is no model '%s': it is %s, which --metrics %s adds to the results of score and batch; eval always "
@@ -91,10 +91,9 @@ char *join_with_colon(const char *a, const char *b) {
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    bool is_built_in = is_builtin(name);
-    if (!is_built_in && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
+    if (!is_builtin(name) && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
-    must(is_built_in ? nqm_model_builtin(name, &model, &fault) : nqm_model_load(name, &model, &fault));
+    must(nqm_model_load(name, &model, &fault));
     return model;
 }
 
@@ -271,8 +270,8 @@ nqm_directions *open_directions(const char *name_or_path) {
     if (is_builtin(name) || (name_or_path && looks_like_safetensors(name))) {
         nqm_model *model = open_model(name);
         const nqm_directions *borrowed = nqm_model_get_info(model).directions;
-        must(nqm_directions_from_degrees(nqm_directions_count(borrowed), nqm_directions_degrees(borrowed), &directions,
-                                         &fault));
+        must(nqm_directions_from_degrees(nqm_directions_get_info(borrowed).n, nqm_directions_get_info(borrowed).degrees,
+                                         &directions, &fault));
         nqm_model_free(model);
     } else if (name_or_path) {
         const nqm_nearest nearest = nearest_model(name);
@@ -288,9 +287,10 @@ nqm_directions *open_directions(const char *name_or_path) {
 }
 
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
-    const size_t n = nqm_directions_count(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
     double apart[2];
-    must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &fault));
+    must(nqm_scattered_distances(brdf, n, nqm_directions_get_info(directions).wi,
+                                 nqm_directions_get_info(directions).wo, apart, &fault));
     char text[400];
     if (nqm_pairs_describe_distance(argument, apart, sizeof text, text))
         report(EXIT_OK, "%s", text);
@@ -305,7 +305,6 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
         stop(access(path, F_OK) == 0 ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
              access(path, F_OK) == 0 ? "--labels is for a folder (the authors' layout), not for a dataset file"
                                      : strerror(errno));
-    must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &fault)
-                : nqm_dataset_load(path, &dataset, &fault));
+    must(nqm_dataset_load(path, labels ? input_path(labels) : NULL, split, &dataset, &fault));
     return dataset;
 }

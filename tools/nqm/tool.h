@@ -253,7 +253,7 @@ json_t *json_tool(void);
 /** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
 /** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
- *  `similarity_jod` with the ends of its interval; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
+ *  `similarity_jod` with the ends of its interval; NULL: nqm_label_info.adapted_jod is. */
 json_t *json_label_parts(const nqm_label *label, const double *similarity);
 /** Columns of their first members for print_csv_line(). */
 #define PART_COLUMNS                                                                                                   \

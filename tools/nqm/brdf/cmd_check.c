@@ -160,7 +160,8 @@ static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, co
     checked_texels *texels = user;
     for (size_t i = 0; i < n; ++i) {
         texels->at[texels->n] = samples[i].texel;
-        texels->specs[texels->n] = nqm_texture_spec(texels->texture, rows[0], i);
+        const nqm_values values = nqm_texture_values(texels->texture, rows[0], i);
+        texels->specs[texels->n] = nqm_values_spec(&values);
         if (!texels->specs[texels->n++])
             return nqm_fail_nomem(err, sizeof(nqm_values));
     }

@@ -188,7 +188,7 @@ static void turn_directions(conform_kit *kit, const nqm_directions *directions) 
     for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
         const double angle = kit_turns_deg[turn] * NQM_PI / 180, c = turn ? cos(angle) : 1, s = turn ? sin(angle) : 0;
         for (size_t side = 0; side < 2; ++side) {
-            const double *from = side ? nqm_directions_wo(directions) : nqm_directions_wi(directions);
+            const double *from = side ? nqm_directions_get_info(directions).wo : nqm_directions_get_info(directions).wi;
             double *to = kit_directions(kit, turn, side);
             for (size_t i = 0; i < kit->n_directions; ++i, from += 3, to += 3) {
                 to[0] = c * from[0] - s * from[1];
@@ -206,7 +206,7 @@ conform_kit *make_kit(const char *model, const char *keys) {
     kit->keys = choose_keys(kit->model->schema, keys);
     kit->metric = open_model(NULL);
     const nqm_directions *directions = nqm_model_get_info(kit->metric).directions;
-    kit->n_directions = nqm_directions_count(directions);
+    kit->n_directions = nqm_directions_get_info(directions).n;
     turn_directions(kit, directions);
     const nqm_values base = base_of(kit->model->schema);
     add_set(kit, &base, &base);
