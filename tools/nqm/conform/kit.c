@@ -21,10 +21,10 @@ static void range_of(const nqm_schema *schema, size_t k, double *low, double *hi
     const nqm_fit_parameter p = nqm_fit_describe(schema, k);
     *low = fmax(p.low, 0);
     *high = p.high;
-    if (nqm_role_is_width(key->role)) {
+    if (nqm_schema_is_width(key->role)) {
         *low = key->unit == NQM_UNIT_GLOSS ? 0 : key->unit == NQM_UNIT_PLAIN ? 0.1 : 0.02;
         *high = key->unit == NQM_UNIT_GLOSS ? 0.8 : fmin(p.high, 1);
-    } else if (nqm_role_is_anisotropic(key->role)) {
+    } else if (nqm_schema_is_anisotropic(key->role)) {
         *high = 0.9;
     } else if (key->role == NQM_ROLE_METAL_ETA || key->role == NQM_ROLE_METAL_K) {
         *low = 0.1;
@@ -61,7 +61,7 @@ static nqm_values base_of(const nqm_schema *schema) {
         double low, high;
         range_of(schema, k, &low, &high);
         const double v =
-            nqm_role_is_width(schema->keys[k].role) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
+            nqm_schema_is_width(schema->keys[k].role) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
         set_equal(&values, k, nqm_round_digits(v, 2));
         if (schema->keys[k].required && schema->keys[k].n == 3)
             set_key(schema, &values, k, 0.1);
@@ -151,9 +151,9 @@ static void add_random(conform_kit *kit, const nqm_values *base, nqm_rng *rng) {
     nqm_values values = *base;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const double kind = nqm_rng_uniform(rng), t = nqm_rng_uniform(rng);
-        const double at_base = nqm_schema_is_layer(schema, k)                  ? 0.5
-                               : nqm_role_is_anisotropic(schema->keys[k].role) ? 0.6
-                                                                               : 0.3;
+        const double at_base = nqm_schema_is_layer(schema, k)                    ? 0.5
+                               : nqm_schema_is_anisotropic(schema->keys[k].role) ? 0.6
+                                                                                 : 0.3;
         if (kind > at_base)
             set_key(schema, &values, k, kind > 0.9 ? 1 : kind > 0.8 ? 0 : t);
     }

@@ -45,7 +45,8 @@ static const char *channels_of(const nqm_schema *schema, const flaw *f) {
 static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
     const nqm_schema_key *key = &schema->keys[k];
     const bool is_rotation = key->role == NQM_ROLE_AZIMUTH || key->role == NQM_ROLE_COAT_AZIMUTH,
-               is_amount = !is_rotation && nqm_role_is_anisotropic(key->role), is_width = nqm_role_is_width(key->role);
+               is_amount = !is_rotation && nqm_schema_is_anisotropic(key->role),
+               is_width = nqm_schema_is_width(key->role);
     switch (how) {
     case IGNORED:
         return !key->required;
@@ -101,7 +102,7 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
     for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
         const nqm_schema_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
-        const bool is_squared = key && key->n == 1 && nqm_role_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
+        const bool is_squared = key && key->n == 1 && nqm_schema_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
         fprintf(out, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
         const char *wrong = channels_of(schema, f);
         if (wrong && strlen(wrong) == 2)
