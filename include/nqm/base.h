@@ -18,7 +18,8 @@
  *    nqm_directions_to_half_diff, nqm_directions_count, nqm_directions_degrees, nqm_directions_wi, nqm_directions_wo, nqm_directions_id,
  *    nqm_dataset_get_info, nqm_dataset_get_pair, nqm_fit_model_has, nqm_materials_count, nqm_materials_get, nqm_model_get_info,
  *    nqm_texture_get_info, nqm_scene_count, nqm_scene_weights, nqm_scene_pixels, nqm_scene_compare, nqm_scene_delta_e_map,
- *    nqm_delta_e_itp, nqm_curve_jod, nqm_label_adapted_jod, nqm_label_jod_error and nqm_label_describe.
+ *    nqm_delta_e_itp, nqm_curve_jod, nqm_label_adapted_jod, nqm_label_jod_error, nqm_label_describe, nqm_conform_kit_get_info and
+ *    nqm_conform_kit_get_set.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
  *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other

@@ -39,12 +39,9 @@ static void make_pairs(double *wi, double *wo) {
 }
 
 static void evaluate_with(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
-    const size_t n = strcspn(spec, ":");
-    const nqm_analytic_model *model = nqm_analytic_model_find(spec, n);
     nqm_values values;
-    assert_non_null(model);
-    assert_int_equal(nqm_values_parse(model->schema, spec + n + 1, &values, NULL), NQM_OK);
-    nqm_mistaken_eval(model, &values, &mistakes, N, wi, wo, rgb);
+    assert_int_equal(nqm_values_parse_spec(spec, &values, NULL), NQM_OK);
+    nqm_mistaken_eval(&values, &mistakes, N, wi, wo, rgb);
 }
 
 static void evaluate(const char *spec, uint64_t made, const double *wi, const double *wo, float *rgb) {

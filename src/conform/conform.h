@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * conform.h - the kit of a shading model, and the mistakes that may explain the values of somebody's shader.
+ */
+#ifndef NQM_SRC_CONFORM_H
+#define NQM_SRC_CONFORM_H
+
+#include "base/base.h"
+#include "schema/schema.h"
+#include <nqm/conform.h>
+
+#include <math.h>
+
+/* ---- the kit (kit.c) --------------------------------------------------------------------------------------------- */
+
+enum { NQM_CONFORM_AZIMUTHS = 3, NQM_CONFORM_MAX_SETS = 120 };
+/** Degrees by which light and viewer of a set are rotated about the normal: the directions of the metric have one azimuth of the
+ *  half vector, and anisotropic lobes have three. */
+extern const double nqm_conform_azimuths_deg[NQM_CONFORM_AZIMUTHS];
+
+/** A parameter set. */
+typedef struct nqm_kit_set {
+    nqm_values values; /* `given` has the keys that differ from their defaults */
+    size_t azimuth;    /* of nqm_conform_azimuths_deg; 0 for isotropic sets */
+    char *spec;
+} nqm_kit_set;
+
+struct nqm_conform_kit {
+    const nqm_schema *schema;
+    const nqm_model *metric;
+    size_t n_directions, n_sets, n_columns;
+    double *directions; /* (NQM_CONFORM_AZIMUTHS, 2, n_directions, 3) light and viewer */
+    double *columns;    /* (NQM_CONFORM_MAX_SETS, n_columns) the values of the sets */
+    char names[2048];   /* of the columns */
+    uint64_t keys;      /* bit k: sets have values of key k; else its default */
+    nqm_kit_set sets[NQM_CONFORM_MAX_SETS];
+};
+
+/** The directions of light (side 0) or viewer (1) at an azimuth, (n_directions, 3). */
+static inline double *nqm_conform_directions(const nqm_conform_kit *kit, size_t azimuth, size_t side) {
+    return kit->directions + 3 * (2 * azimuth + side) * kit->n_directions;
+}
+
+/* ---- mistakes (mistakes.c) --------------------------------------------------------------------------------------- */
+
+/** A mistake in a formula, in the use of a parameter, or of channels. */
+typedef struct nqm_flaw {
+    size_t key;    /* of the schema; its n_keys: formulas and values */
+    size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
+    double amount; /* a limit, an exponent or a factor; 0: it has none */
+} nqm_flaw;
+
+/** What a shader may do wrong; zeroed: nothing. */
+typedef struct nqm_suspect {
+    size_t n_flaws;
+    nqm_flaw flaws[2];
+    size_t kind; /* of suspects that differ in their amounts only; 0: no flaw */
+    double left; /* mean absolute difference of log(f_r + 0.003) that remains */
+} nqm_suspect;
+
+/** Whether a direction of a shader counts. */
+static inline bool nqm_conform_is_value(const float rgb[3]) {
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+/** Values of a set as a suspect makes them, at every `stride`-th direction. is_rounded: of inputs in float32. */
+void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_suspect *s, size_t stride, bool is_rounded,
+                        float *rgb);
+/** Fill the mistakes of a report, and `found` with their suspects, the best first; suspects with equal values are one, and those that
+ *  leave nine tenths of the difference are none. None: values differ by no more than float32 does. Where one leaves a difference, two
+ *  are tried. */
+NQM_MUST_CHECK nqm_status nqm_conform_search(const nqm_conform_kit *kit, const float *values, const nqm_ticker *ticker,
+                                             nqm_suspect found[NQM_CONFORM_MISTAKES], nqm_conform_report *report,
+                                             nqm_error *err);
+
+/* ---- facts (facts.c) --------------------------------------------------------------------------------------------- */
+
+/** Fill the facts about the sets that fail (n_sets) of a report. */
+NQM_MUST_CHECK nqm_status nqm_conform_find_facts(const nqm_conform_kit *kit, const float *values, const bool *fails,
+                                                 nqm_conform_report *report, nqm_error *err);
+
+#endif
