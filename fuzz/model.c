@@ -60,7 +60,7 @@ struct nqm_model *fuzz_model_make(void) {
         points[3 * i + 1] = (double)(i / NQM_TRANSPORT_STEP);
         points[3 * i + 2] = 1000;
     }
-    const nqm_transport transport = {N_DIRECTIONS, POINTS, light, points};
+    const nqm_transport transport = {N_DIRECTIONS, light, {POINTS, points}};
     if (!model || nqm_directions_from_degrees(N_DIRECTIONS, degrees, &model->directions, NULL) != NQM_OK ||
         nqm_model_set_transport(model, &transport, NULL) != NQM_OK)
         abort();

@@ -24,7 +24,7 @@ fi
 dictionary() {
     case $1 in
     fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_authors | fuzz_latents) words=csv ;;
-    fuzz_pair_list | *_gltf | *_json) words=json ;;
+    fuzz_pairs | *_gltf | *_json) words=json ;;
     *_xml | fuzz_materialx) words=xml ;;
     *_pbrt) words=pbrt ;;
     fuzz_mesh_*) words=mesh ;;

@@ -19,14 +19,14 @@ target_compile_definitions(nqm_web_parsers PRIVATE HAVE_EXPAT_CONFIG_H HAVE_CONF
 target_compile_options(nqm_web_parsers PRIVATE -w -Wno-error)
 
 set(nqm_sources src/encode/draw.c)
-foreach(room base math kernel io schema material brdf net percept sample model metric texture fit translate render label)
+foreach(room base math kernel io schema material brdf net percept sample model lobes metric texture pairs fit translate render label)
   file(GLOB_RECURSE room_sources CONFIGURE_DEPENDS src/${room}/*.c)
   list(APPEND nqm_sources ${room_sources})
 endforeach()
 # What web/shim replaces, and what a page does not need.
 list(FILTER nqm_sources EXCLUDE REGEX
-  "/(base/(library|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
-list(APPEND nqm_sources tools/figures/picture.c tools/nqm/score/score_shared.c tools/nqm/show/charts.c tools/nqm/inputs.c)
+  "/(base/(dynamic|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
+list(APPEND nqm_sources tools/figures/picture.c tools/nqm/show/charts.c)
 file(GLOB shims CONFIGURE_DEPENDS ${web}/shim/*.c ${web}/src/*.c)
 add_executable(nqm_web ${nqm_sources} ${shims} ${NQM_GENERATED_SOURCES} ${NQM_WEB_MODELS})
 set_target_properties(nqm_web PROPERTIES OUTPUT_NAME nqm_code SUFFIX .wasm)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/conform.h - does a shader implement its specification, and which mistake does it make? Experimental. In libnqm-full only.
+ * nqm/conform.h - does a shader implement its specification, and which mistake does it make? In libnqm-full only. Any thread.
+ * NQM_EXPERIMENTAL.
  */
 #ifndef NQM_CONFORM_H
 #define NQM_CONFORM_H

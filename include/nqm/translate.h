@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. Experimental.
- * In libnqm-full only. Any thread.
+ * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. In
+ * libnqm-full only. Any thread. NQM_EXPERIMENTAL.
  */
 #ifndef NQM_TRANSLATE_H
 #define NQM_TRANSLATE_H

@@ -178,10 +178,11 @@ void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_suspec
     values = mistaken_values(&values, s, &mistakes);
     for (size_t at = 0, n_piece; at < n; at += n_piece) {
         n_piece = nqm_smaller(n - at, PIECE);
-        for (size_t i = 0; i < 6 * n_piece; ++i) {
-            const size_t side = i / (3 * n_piece), j = i % (3 * n_piece);
-            const double v = nqm_conform_directions(kit, p->azimuth, side)[3 * stride * (at + j / 3) + j % 3];
-            w[side][j] = is_rounded ? (double)(float)v : v;
+        for (size_t side = 0; side < 2; ++side) {
+            const double *from = nqm_conform_directions(kit, p->azimuth, side) + 3 * stride * at;
+            for (size_t i = 0; i < n_piece; ++i, from += 3 * stride)
+                for (size_t c = 0; c < 3; ++c)
+                    w[side][3 * i + c] = is_rounded ? (double)(float)from[c] : from[c];
         }
         nqm_mistaken_eval(&values, &mistakes, n_piece, w[0], w[1], rgb + 3 * at);
     }

@@ -34,7 +34,7 @@ struct nqm_dataset {
     double *delta_e;          /* (n_pairs) Delta-E ITP, >= 0 */
     double *jod;              /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
     float *transport;         /* (n_directions, 3 NQM_TRANSPORT_POINTS) as `light` in nqm_transport; NULL: unknown */
-    double *transport_points; /* (NQM_TRANSPORT_POINTS, 3) as `points` in nqm_transport; NULL if transport is */
+    double *transport_points; /* (NQM_TRANSPORT_POINTS, 3) as in nqm_picture_points; NULL if transport is */
     double *parts;            /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
     double *delta_e_error;    /* (n_pairs) standard error of delta_e, >= 0; NULL: unknown */
     uint32_t *ref_group;      /* (n_refs) index of the material group */
@@ -54,7 +54,7 @@ struct nqm_dataset {
 
 /** The transport matrix of a dataset; `light` is NULL if it has none. */
 static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
-    return (nqm_transport){d->n_directions, NQM_TRANSPORT_POINTS, d->transport, d->transport_points};
+    return (nqm_transport){d->n_directions, d->transport, {NQM_TRANSPORT_POINTS, d->transport_points}};
 }
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */

@@ -1,154 +1,105 @@
 /* SPDX-License-Identifier: MIT
  *
- * The transport matrix of a scene: few points of the scene's pictures as linear functions of the samples of a BRDF at
- * the nodes of a grid (sample/node_grid.h). Every light direction of a point is a half vector and a difference vector;
- * the BRDF there is interpolated between nodes, so the light from there is distributed to these. The matrix of a corpus
- * is stored in its dataset; a matrix with its directions is also a model without a network.
+ * The light of few points of a scene's pictures, for models that estimate labels: as linear functions of the samples of a BRDF at
+ * the nodes of a grid (sample/node_grid.h), or by the slope of the half vector (sample/slopes.h).
  */
 #include "label/label.h"
 #include "math/math.h"
 #include "metric/metric.h"
-#include "model/model.h"
-#include "render/render.h"
 #include "sample/node_grid.h"
 
 #include <string.h>
 
-enum { N_LIGHTS = 1024 }; /* per point: they cost nothing later */
+/* Light directions of a point: they cost nothing later. */
+enum { N_LIGHTS = 1024, N_LIGHTS_BY_SLOPES = 65536 };
 
 /* ---- points of a scene ------------------------------------------------------------------------------------------- */
 
-void nqm_lit_ray(const nqm_lit_point *point, size_t j, double *wi, double *light) {
-    const nqm_ray *ray = &point->incident->ray[j];
-    for (size_t k = 0; k < 3; ++k) {
-        wi[k] = (double)ray->wi[k];
-        light[k] = (double)ray->weight[k] * point->exposure;
-    }
-    nqm_normalize3(wi);
-}
+/* What becomes of the light of each point, and where: (..., 3, n_points). Every point writes its own columns. */
+typedef struct filling {
+    void (*fill)(const struct filling *to, const nqm_surface_point *point, const double *wi, const double *light_cdm2,
+                 size_t column);
+    size_t n_points;
+    nqm_node_grid grid;
+    float *light;
+    double *points, *wo;
+} filling;
 
 /* The points of a scene, which has a number in its set; `first`: the column of its first point. */
 typedef struct scene_job {
+    const filling *to;
     const nqm_scene *scene;
     size_t number, first;
-    void (*fill)(void *user, const nqm_lit_point *point);
-    void *user;
-    double *points;
 } scene_job;
 
 static void visit_point(void *user, size_t i) {
     const scene_job *job = user;
     const nqm_scene *scene = job->scene;
-    const nqm_lit_point point = {&scene->seen.point[i], &scene->kept[i], scene->exposure, job->first + i};
-    double *to = job->points + 3 * point.column;
-    to[0] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
-    to[1] = (double)job->number;
-    to[2] = scene->options.peak_cdm2;
-    job->fill(job->user, &point);
+    const nqm_surface_point *seen = &scene->seen.point[i];
+    const nqm_incident *incident = &scene->kept[i];
+    const size_t column = job->first + i;
+    double *point = job->to->points + 3 * column;
+    point[0] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
+    point[1] = (double)job->number;
+    point[2] = scene->options.peak_cdm2;
+    if (job->to->wo)
+        nqm_turn3(seen->grain, seen->wo, job->to->wo + 3 * column);
+    for (size_t j = 0; j < incident->n_rays; ++j) {
+        double wi[3], light[3];
+        nqm_ray_light(&incident->ray[j], scene->exposure, wi, light);
+        job->to->fill(job->to, seen, wi, light, column);
+    }
 }
 
-nqm_status nqm_lit_points(const nqm_scene_options *scene_options, size_t n_points, size_t n_lights,
-                          void (*fill)(void *user, const nqm_lit_point *point), void *user, double *points,
-                          nqm_error *err) {
+static nqm_status fill(const nqm_scene_options *scene_options, size_t n_lights, const filling *to, nqm_error *err) {
     nqm_scene_options options = *scene_options;
     options.width = options.height = 0;
-    options.n_points = n_points;
+    options.n_points = to->n_points;
     options.n_lights = options.n_lights ? options.n_lights : n_lights;
     options.interreflection = 0;
     nqm_scene *scene;
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
         return status;
-    if (nqm_scene_count(scene) != n_points)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), n_points);
-    for (size_t s = 0, first = 0; status == NQM_OK && s < scene->n_parts; ++s) {
-        const nqm_scene *part = scene->parts[s];
-        scene_job job = {part, s, first, fill, user, points};
-        nqm_parallel_for(part->seen.n, visit_point, &job);
-        first += part->seen.n;
+    if (nqm_scene_count(scene) != to->n_points)
+        status =
+            nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), to->n_points);
+    for (size_t s = 0, first = 0; status == NQM_OK && s < scene->n_parts; first += scene->parts[s++]->seen.n) {
+        scene_job job = {to, scene->parts[s], s, first};
+        nqm_parallel_for(job.scene->seen.n, visit_point, &job);
     }
     nqm_scene_free(scene);
     return status;
 }
 
-/* ---- the matrix -------------------------------------------------------------------------------------------------- */
+/* ---- matrix and slopes ------------------------------------------------------------------------------------------- */
 
-typedef struct matrix {
-    nqm_node_grid grid;
-    size_t n_points;
-    float *light;
-} matrix;
+/* Distribute light to the nodes around its direction. */
+static void add_to_nodes(const filling *to, const nqm_surface_point *point, const double *wi, const double *light_cdm2,
+                         size_t column) {
+    size_t node[NQM_GRID_NEAR];
+    double weight[NQM_GRID_NEAR];
+    nqm_node_grid_interpolate(&to->grid, wi, point->wo, node, weight);
+    for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            to->light[(3 * node[i] + c) * to->n_points + column] += (float)(light_cdm2[c] * weight[i]);
+}
 
-/* Distribute the light of all rays to the nodes around their directions. Every point writes its own column. */
-static void distribute(void *user, const nqm_lit_point *point) {
-    const matrix *m = user;
-    for (size_t j = 0; j < point->incident->n_rays; ++j) {
-        size_t node[NQM_GRID_NEAR];
-        double weight[NQM_GRID_NEAR], wi[3], light[3];
-        nqm_lit_ray(point, j, wi, light);
-        nqm_node_grid_interpolate(&m->grid, wi, point->seen->wo, node, weight);
-        for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
-            for (size_t c = 0; c < 3; ++c)
-                m->light[(3 * node[i] + c) * m->n_points + point->column] += (float)(light[c] * weight[i]);
-    }
+static void add_to_cell(const filling *to, const nqm_surface_point *point, const double *wi, const double *light_cdm2,
+                        size_t column) {
+    const double *out = to->wo + 3 * column;
+    double in[3];
+    nqm_turn3(point->grain, wi, in);
+    const size_t cell = nqm_slope_cell((in[0] + out[0]) / (in[2] + out[2]), (in[1] + out[1]) / (in[2] + out[2]));
+    for (size_t c = 0; c < 3; ++c)
+        to->light[(3 * cell + c) * to->n_points + column] += (float)light_cdm2[c];
 }
 
 nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light, double *points,
                               nqm_error *err) {
-    matrix m = {.grid = nqm_node_grid_make(), .n_points = n_points, .light = light};
-    memset(light, 0, m.grid.n * 3 * n_points * sizeof *light);
-    return nqm_lit_points(scene, n_points, N_LIGHTS, distribute, &m, points, err);
-}
-
-/* ---- a model without a network ----------------------------------------------------------------------------------- */
-
-static const char *const default_card = "Estimate by light transport, without a network: the Delta-E ITP and JOD of "
-                                        "pictures of few points that a matrix makes of\n"
-                                        "the samples. It has no intervals: nothing was trained or calibrated.\n";
-
-static const char *const slopes_card =
-    "Estimate by light transport for any BRDF, anisotropic or not, without a network: the Delta-E ITP and JOD of"
-    "\npictures of few points, whose light is known by the slope of the half vector. The BRDF is evaluated at half"
-    "\nvectors placed by its lobe. Nothing was trained.\n";
-
-static nqm_status set_texts(nqm_model *m, const char *id, const char *card, nqm_error *err) {
-    struct {
-        char **to;
-        const char *text;
-    } texts[] = {{&m->id, id},     {&m->recipe, "transport"}, {&m->licence, "MIT"},
-                 {&m->card, card}, {&m->training, "{}"},      {&m->manifest_sha256, ""}};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
-        if (!(*texts[i].to = nqm_strdup(texts[i].text)))
-            return nqm_fail_nomem(err, strlen(texts[i].text));
-    return NQM_OK;
-}
-
-/* Ranges in which an output of 0 corrects nothing, and a whitening that finds no sample unusual. */
-static void set_constants(nqm_model *m) {
-    const nqm_output_range none = {.mean = 0, .std = 1, .lo = -1, .hi = 1};
-    m->target = NQM_TARGET_LOG_DELTA_E;
-    m->curve = nqm_curve_published;
-    m->output = none;
-    m->features.difference_scale = 1;
-    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
-        m->parts[k] = none;
-    for (size_t k = 0; k < 3; ++k)
-        m->features.std[k] = 1;
-}
-
-static nqm_status fill_matrix(const nqm_scene_options *scene, size_t n_points, nqm_model *m, nqm_error *err) {
-    const size_t n = nqm_node_grid_make().n;
-    float *light;
-    double *points;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&light, n, 3 * n_points * sizeof *light}, {&points, n_points, 3 * sizeof *points}), err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_transport_fill(scene, n_points, light, points, err);
-    if (status == NQM_OK)
-        status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
-    nqm_free(light);
-    return status;
+    const filling to = {add_to_nodes, n_points, nqm_node_grid_make(), light, points, NULL};
+    memset(light, 0, to.grid.n * 3 * n_points * sizeof *light);
+    return fill(scene, N_LIGHTS, &to, err);
 }
 
 nqm_status nqm_transport_create(const nqm_scene_options *scene, int anisotropic, size_t n_points, const char *id,
@@ -160,18 +111,15 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, int anisotropic,
     if (!anisotropic && (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS))
         return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu is no multiple of %d up to %d", n_points, NQM_TRANSPORT_STEP,
                         NQM_TRANSPORT_MAX_POINTS);
-    nqm_model *m = nqm_alloc(1, sizeof *m);
-    nqm_status status = !m            ? nqm_fail_nomem(err, sizeof *m)
-                        : anisotropic ? nqm_slopes_fill(&options, n_points, m, err)
-                                      : fill_matrix(&options, n_points, m, err);
+    nqm_model *m;
+    nqm_status status = nqm_model_of_light(id, anisotropic, n_points, &m, err);
+    if (status != NQM_OK)
+        return status;
+    const filling slopes = {add_to_cell, n_points, {0}, m->slopes, m->slope_points, m->slope_wo};
+    status = anisotropic ? fill(&options, N_LIGHTS_BY_SLOPES, &slopes, err)
+                         : nqm_transport_fill(&options, n_points, m->transport, m->transport_points, err);
     if (status == NQM_OK)
-        status = nqm_node_grid_directions(&m->directions, err); /* with slopes: of metrics and counts */
-    if (status == NQM_OK)
-        status = set_texts(m, id, anisotropic ? slopes_card : default_card, err);
-    if (status == NQM_OK) {
-        set_constants(m);
         status = nqm_golden_make(m, &m->golden, err);
-    }
     if (status == NQM_OK)
         *model_ret = m;
     else

@@ -21,22 +21,16 @@ struct nqm_gallery {
     const float *pictures;
 };
 
-static size_t first_after(const nqm_transport *t, size_t point) {
-    while (!nqm_transport_ends_scene(t, point))
-        ++point;
-    return point + 1;
-}
-
 static void add_looks(void *user, size_t i) {
     const nqm_gallery *g = user;
-    const nqm_transport *t = &g->transport;
-    const float *x = g->pictures + 3 * t->n_points * i;
+    const nqm_picture_points *points = &g->transport.points;
+    const size_t n = points->n;
+    const float *x = g->pictures + 3 * n * i;
     nqm_look_sums *look = g->looks + g->n_scenes * i;
     memset(look, 0, g->n_scenes * sizeof *look);
-    for (size_t p = 0; p < t->n_points; ++p) {
-        const double itp[3] = {(double)x[p], (double)x[t->n_points + p], (double)x[2 * t->n_points + p]};
-        nqm_look_add(look, t->points[3 * p], itp);
-        look += nqm_transport_ends_scene(t, p);
+    for (size_t p = 0; p < n; ++p) {
+        const double itp[3] = {(double)x[p], (double)x[n + p], (double)x[2 * n + p]};
+        nqm_look_add(look + (size_t)points->at[3 * p + 1], points->at[3 * p], itp);
     }
 }
 
@@ -46,23 +40,21 @@ nqm_status nqm_gallery_create(const nqm_model *model, size_t n, const float *pic
     nqm_gallery *g;
     float *weights, *drawn;
     nqm_look_sums *looks;
-    size_t n_scenes = 0;
     *gallery_ret = NULL;
     if (!t.light)
         return nqm_fail(err, NQM_ERR_MODEL, -1,
                         "model '%s' has no transport matrix, by which many materials are compared; use default or "
                         "transport",
                         model->id);
-    for (size_t p = 0; p < t.n_points; p = first_after(&t, p))
-        ++n_scenes;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&g, 1, sizeof *g}, {&weights, t.n_points, sizeof *weights},
+    const size_t n_scenes = 1 + (size_t)t.points.at[3 * t.points.n - 2];
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&g, 1, sizeof *g}, {&weights, t.points.n, sizeof *weights},
                                                     {&looks, n * n_scenes, sizeof *looks},
-                                                    {&drawn, pictures ? 0 : n, 3 * t.n_points * sizeof *drawn}),
+                                                    {&drawn, pictures ? 0 : n, 3 * t.points.n * sizeof *drawn}),
                                          err);
     if (status != NQM_OK)
         return status;
-    for (size_t p = 0; p < t.n_points; ++p)
-        weights[p] = (float)t.points[3 * p];
+    for (size_t p = 0; p < t.points.n; ++p)
+        weights[p] = (float)t.points.at[3 * p];
     const nqm_curve *curve = model->target == NQM_TARGET_LOG_DELTA_E ? &model->curve : &nqm_curve_published;
     *g = (nqm_gallery){model, t, curve, n, n_scenes, weights, looks, drawn, pictures ? pictures : drawn};
     if (pictures)
@@ -76,7 +68,7 @@ void nqm_gallery_free(nqm_gallery *gallery) {
 }
 
 size_t nqm_gallery_size(const nqm_model *model) {
-    return 3 * nqm_model_transport(model).n_points;
+    return 3 * nqm_model_transport(model).points.n;
 }
 
 const float *nqm_gallery_pictures(const nqm_gallery *g) {
@@ -98,17 +90,17 @@ static void draw_group(void *user, size_t group) {
     const size_t begin = group * NQM_TRANSPORT_MAX, n = nqm_smaller(job->n - begin, NQM_TRANSPORT_MAX);
     nqm_sample_pair pairs[NQM_TRANSPORT_MAX];
     nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
-    float itp[NQM_TRANSPORT_MAX * 3 * NQM_TRANSPORT_BLOCK];
+    float itp[NQM_TRANSPORT_MAX * 3 * NQM_PICTURE_BLOCK];
     for (size_t i = 0; i < n; ++i) {
         pairs[i] = (nqm_sample_pair){.ref = job->samples[begin + i]};
         pictures[i] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_REF};
     }
-    for (size_t p = 0, n_points; p < t->n_points; p += n_points) {
-        n_points = nqm_smaller(t->n_points - p, NQM_TRANSPORT_BLOCK);
+    for (size_t p = 0, n_points; p < t->points.n; p += n_points) {
+        n_points = nqm_smaller(t->points.n - p, NQM_PICTURE_BLOCK);
         nqm_transport_pictures(t, p, n_points, n, pictures, itp);
         for (size_t i = 0; i < n; ++i)
             for (size_t c = 0; c < 3; ++c)
-                memcpy(g->drawn + (3 * (job->first + begin + i) + c) * t->n_points + p, itp + (3 * i + c) * n_points,
+                memcpy(g->drawn + (3 * (job->first + begin + i) + c) * t->points.n + p, itp + (3 * i + c) * n_points,
                        n_points * sizeof *itp);
     }
     for (size_t i = 0; i < n; ++i)
@@ -121,7 +113,7 @@ void nqm_gallery_draw(nqm_gallery *g, size_t first, size_t n, const float *const
 }
 
 void nqm_gallery_average(nqm_gallery *g, size_t at, const nqm_gallery *of, size_t n) {
-    const size_t size = 3 * g->transport.n_points;
+    const size_t size = 3 * g->transport.points.n;
     float *mean = g->drawn + size * at;
     memset(mean, 0, size * sizeof *mean);
     for (size_t i = 0; i < n; ++i)
@@ -149,14 +141,14 @@ static void compare_points(size_t n, size_t step, const float *w, const float *a
 
 /* The label of two pictures; looks NULL: its Delta-E only. */
 static nqm_label compare_pictures(const nqm_gallery *g, size_t a, const nqm_gallery *h, size_t b, double *looks) {
-    const nqm_transport *t = &g->transport;
-    const size_t step = t->n_points;
-    const double share = nqm_transport_share(t);
+    const nqm_picture_points *points = &g->transport.points;
+    const size_t step = points->n;
+    const double share = nqm_picture_share(points);
     nqm_label label = {.delta_e = 0};
     for (size_t p = 0, end, scene = 0; p < step; p = end, ++scene) {
         const nqm_look_sums *x = &g->looks[a * g->n_scenes + scene], *y = &h->looks[b * h->n_scenes + scene];
         double lengths, squares;
-        end = first_after(t, p);
+        end = nqm_picture_scene_end(points, p);
         compare_points(end - p, step, g->weights + p, g->pictures + 3 * step * a + p, h->pictures + 3 * step * b + p,
                        &lengths, &squares);
         if (!looks) {

@@ -19,8 +19,8 @@ struct nqm_gradients {
     float *z, *dz;          /* (max_batch, n_outputs) */
     bool *is_bounded;       /* (max_batch) the bound on Delta-E is the value */
     nqm_label *by_estimate; /* (max_batch) gradient by the estimate */
-    nqm_seen_pair *seen;    /* (max_batch) */
-    double *pictures;       /* (max_batch, 3, 3, n_points) of `seen` */
+    nqm_shown_pair *shown;  /* (max_batch) */
+    double *pictures;       /* (max_batch, 3, 3, n_points) of `shown` */
     float *by_light;        /* (max_batch, 3, n_points) gradient by the light of the test */
 };
 
@@ -33,13 +33,14 @@ nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gr
     if (status != NQM_OK)
         return status;
     const bool has_network = nqm_model_has_network(model);
-    const size_t n_picture = 3 * transport.n_points, n_outputs = nqm_model_n_outputs(model);
+    const size_t n_picture = 3 * transport.points.n, n_outputs = nqm_model_n_outputs(model);
     nqm_gradients *g, made = {.model = model, .transport = transport, .inputs = inputs, .n_outputs = n_outputs};
     status = nqm_alloc_arrays(
         NQM_ARRAYS({&g, 1, sizeof *g}, {&made.dx, has_network ? max_batch : 0, inputs->stride * sizeof *made.dx},
                    {&made.z, max_batch, n_outputs * sizeof *made.z}, {&made.dz, max_batch, n_outputs * sizeof *made.dz},
                    {&made.is_bounded, max_batch, sizeof *made.is_bounded},
-                   {&made.by_estimate, max_batch, sizeof *made.by_estimate}, {&made.seen, max_batch, sizeof *made.seen},
+                   {&made.by_estimate, max_batch, sizeof *made.by_estimate},
+                   {&made.shown, max_batch, sizeof *made.shown},
                    {&made.pictures, max_batch, 3 * n_picture * sizeof *made.pictures},
                    {&made.by_light, max_batch, n_picture * sizeof *made.by_light}),
         err);
@@ -79,15 +80,15 @@ typedef struct gradient_job {
 /* Estimate pairs [first, first + n), and keep their pictures. */
 static void estimate(const gradient_job *job, size_t first, size_t n) {
     nqm_gradients *g = job->g;
-    const size_t n_picture = 3 * g->transport.n_points;
+    const size_t n_picture = 3 * g->transport.points.n;
     for (size_t i = first; i < first + n; ++i) {
         double *own = g->pictures + i * 3 * n_picture;
         const bool is_shared = i > first && job->pairs[i].ref == job->pairs[i - 1].ref;
-        g->seen[i] = (nqm_seen_pair){is_shared ? g->seen[i - 1].ref : own, own + n_picture, own + 2 * n_picture};
+        g->shown[i] = (nqm_shown_pair){is_shared ? g->shown[i - 1].ref : own, own + n_picture, own + 2 * n_picture};
     }
-    nqm_transport_see(&g->transport, n, job->pairs + first, g->seen + first);
+    nqm_transport_see(&g->transport, n, job->pairs + first, g->shown + first);
     for (size_t i = first; i < first + n; ++i)
-        g->inputs->estimate[i] = nqm_transport_label(&g->transport, g->seen[i].ref, g->seen[i].test);
+        g->inputs->estimate[i] = nqm_picture_label(&g->transport.points, g->shown[i].ref, g->shown[i].test);
 }
 
 static void compose(void *user, size_t task) {
@@ -158,10 +159,10 @@ static void set_bound_gradient(const gradient_job *job, size_t i, float *out) {
 /* Add the gradients of pairs [first, first + n) through the estimates. */
 static void add_estimate_gradients(const gradient_job *job, size_t first, size_t n) {
     const nqm_gradients *g = job->g;
-    const size_t n_picture = 3 * g->transport.n_points;
+    const size_t n_picture = 3 * g->transport.points.n;
     double by_light[3 * NQM_TRANSPORT_MAX_POINTS];
     for (size_t i = first; i < first + n; ++i) {
-        nqm_transport_light_gradient(&g->transport, &g->by_estimate[i], &g->seen[i], by_light);
+        nqm_picture_light_gradient(&g->transport.points, &g->by_estimate[i], &g->shown[i], by_light);
         for (size_t k = 0; k < n_picture; ++k)
             g->by_light[i * n_picture + k] = (float)by_light[k];
     }

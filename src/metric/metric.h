@@ -10,8 +10,8 @@
 #include "sample/sample.h"
 #include <nqm/metric.h>
 
-/** Pairs that are computed together, pictures of them (reference, test and difference), and points of these. */
-enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 3 * NQM_COMPARE_MAX, NQM_TRANSPORT_BLOCK = 128 };
+/** Pairs that are computed together, and pictures of them (reference, test and difference). */
+enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 3 * NQM_COMPARE_MAX };
 
 /** Everything below takes pairs sampled at the directions of a model or dataset as nqm_sample_pair: f_r >= 0, and where
  *  `used` is 0 the direction is dropped. Consecutive pairs with the same `ref` pointer share the work that depends only
@@ -22,16 +22,13 @@ typedef struct nqm_transport_picture {
     const nqm_sample_pair *pair;
     enum { NQM_TRANSPORT_OF_REF, NQM_TRANSPORT_OF_TEST, NQM_TRANSPORT_OF_DIFFERENCE } of; /* test minus reference */
 } nqm_transport_picture;
-/** The light of points [first, first + n_points), at most NQM_TRANSPORT_BLOCK, in n pictures, at most NQM_TRANSPORT_MAX: rgb
+/** The light of points [first, first + n_points), at most NQM_PICTURE_BLOCK, in n pictures, at most NQM_TRANSPORT_MAX: rgb
  *  (n, 3, n_points) cd/m2. first and n_points are multiples of NQM_PANEL. A picture does not depend on the others. */
 void nqm_transport_radiance(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
                             const nqm_transport_picture *pictures, float *rgb);
 /** The same as ITP on the display, in units of Delta-E (NQM_ITP_UNIT). */
 void nqm_transport_pictures(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
                             const nqm_transport_picture *pictures, float *itp);
-/** Whether a point is the last of its scene; and the share of a scene in the label. */
-bool nqm_transport_ends_scene(const nqm_transport *transport, size_t point);
-double nqm_transport_share(const nqm_transport *transport);
 /** Estimate the labels of n pairs, at most NQM_COMPARE_MAX. looks: (n) receives the means over the scenes of nqm_look_distance();
  *  NULL: they are not computed. */
 void nqm_transport_estimates(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
@@ -48,24 +45,10 @@ double nqm_look_distance(const nqm_look_sums *ref, const nqm_look_sums *test, do
 /** The similarity of materials that are seen apart and both ends of its interval, JOD, by the weights of the model. */
 void nqm_similarity(const nqm_model *model, const double apart[NQM_APART], double similarity[3]);
 
-/** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units
- *  of Delta-E, and the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
-typedef struct nqm_seen_pair {
-    double *ref, *test, *light;
-} nqm_seen_pair;
-/** Compute them of n pairs, at most NQM_COMPARE_MAX: as nqm_transport_estimates(), but with a smooth PQ signal, and
- *  with the accuracy of float relative to the difference of the pictures. */
+/** The pictures of n pairs, at most NQM_COMPARE_MAX, for gradients: as those of nqm_transport_estimates(), but with a smooth PQ
+ *  signal, and with the accuracy of float relative to the difference of the pictures. */
 void nqm_transport_see(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
-                       const nqm_seen_pair *seen);
-/** itp (3, n_points) of rgb, which may be the same array. Only points and n_points of the transport are used, here and
- *  in the next two. */
-void nqm_transport_show(const nqm_transport *transport, const double *rgb, double *itp);
-/** The label of two such pictures. */
-nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
-/** The gradient of sum_k weights_k label_k, over the members of that label, by the light of the test: by_light (3, n_points)
- *  receives it. Points brighter than the display have no part in it. */
-void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_label *weights, const nqm_seen_pair *seen,
-                                  double *by_light);
+                       const nqm_shown_pair *shown);
 /** Add the gradients by the samples of n tests to gradient (n, n_directions, 3), from those by their light, by_light
  *  (n, 3, n_points); in float. */
 void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
@@ -96,6 +79,25 @@ void nqm_gallery_jods(const nqm_gallery *gallery, size_t a, const nqm_gallery *w
  *  NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const char *const *names, nqm_gallery *gallery,
                                           size_t first, nqm_error *errors, nqm_error *err);
+
+/** The model that scores anisotropic pairs for a model whose directions have one azimuth: the built-in "anisotropic" for the built-in
+ *  "default" and "transport". NULL in *anisotropic_ret, without an error: other models may predict labels of other scenes. */
+NQM_MUST_CHECK nqm_status nqm_model_find_anisotropic(const nqm_model *model, nqm_model **anisotropic_ret,
+                                                     nqm_error *err);
+/** The same for the model of a scorer, which owns it; the model itself if it is one of slopes. NULL: as above. */
+NQM_MUST_CHECK nqm_status nqm_scorer_anisotropic(nqm_scorer *scorer, const nqm_model **anisotropic_ret, nqm_error *err);
+/** Pairs as nqm_scorer_run_named() or nqm_scorer_run() takes them. */
+typedef struct nqm_opened_pairs {
+    const nqm_named_pair *named; /* NULL: the others */
+    const nqm_brdf *ref;
+    const nqm_brdf *const *tests;
+} nqm_opened_pairs;
+/** Whether a result of the model must be replaced by that of `anisotropic`; and replace those of n <= NQM_SCORE_BLOCK results.
+ *  anisotropic NULL: they have no score (NQM_ERR_INCOMPATIBLE). */
+bool nqm_anisotropic_is_needed(const nqm_model *model, const nqm_score_result *result);
+NQM_MUST_CHECK nqm_status nqm_anisotropic_score(const nqm_model *anisotropic, const nqm_model *model, size_t n,
+                                                const nqm_opened_pairs *pairs, nqm_score_result *results,
+                                                nqm_error *err);
 
 /** What depends only on the directions in sums over them, for many pairs. The directions must outlive it. Any thread. */
 typedef struct nqm_sum_plan nqm_sum_plan;

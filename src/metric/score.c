@@ -7,7 +7,6 @@
 #include "brdf/formats/listed.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
-#include "metric/azimuths.h"
 #include "metric/sample_cache.h"
 
 #include <math.h>
@@ -25,7 +24,7 @@ struct nqm_scorer {
     nqm_score_options options;
     nqm_sample_cache *cache;  /* of nqm_scorer_run_named(), created by its first call */
     nqm_predictor *predictor; /* for batches of at most `room` pairs */
-    nqm_azimuths *azimuths;   /* for anisotropic BRDFs, created by the first; NULL: none was, or the model has none */
+    nqm_model *anisotropic;   /* for anisotropic BRDFs, opened for the first; NULL: none was, or the model has none */
     nqm_gradients *gradients; /* of nqm_score_grad(), created by its first call */
     size_t gradient_room;     /* its largest batch */
     size_t room;              /* capacity of the arrays, pairs */
@@ -110,7 +109,7 @@ void nqm_scorer_free(nqm_scorer *scorer) {
     nqm_sample_cache_free(scorer->cache);
     nqm_predictor_free(scorer->predictor);
     nqm_gradients_free(scorer->gradients);
-    nqm_azimuths_free(scorer->azimuths);
+    nqm_model_free(scorer->anisotropic);
     nqm_free(scorer->member);
     nqm_free(scorer);
 }
@@ -269,17 +268,25 @@ static void score_members(nqm_scorer *s, size_t n, nqm_score_result *results) {
     nqm_parallel_for(n, settle, &job);
 }
 
+nqm_status nqm_scorer_anisotropic(nqm_scorer *s, const nqm_model **anisotropic_ret, nqm_error *err) {
+    const bool is_open = s->model->slopes || s->anisotropic;
+    const nqm_status status = is_open ? NQM_OK : nqm_model_find_anisotropic(s->model, &s->anisotropic, err);
+    *anisotropic_ret = s->model->slopes ? s->model : s->anisotropic;
+    return status;
+}
+
 /* The same; those with an anisotropic BRDF at all azimuths. */
-static nqm_status score_block(nqm_scorer *s, size_t n, const nqm_azimuth_pairs *pairs, nqm_score_result *results,
+static nqm_status score_block(nqm_scorer *s, size_t n, const nqm_opened_pairs *pairs, nqm_score_result *results,
                               nqm_error *err) {
+    const nqm_model *anisotropic;
     bool is_needed = false;
     score_members(s, n, results);
     for (size_t i = 0; i < n; ++i)
-        is_needed |= nqm_azimuths_needed(s->model, &results[i]);
+        is_needed |= nqm_anisotropic_is_needed(s->model, &results[i]);
     if (!is_needed)
         return NQM_OK;
-    nqm_status status = s->azimuths ? NQM_OK : nqm_azimuths_create(s->model, &s->azimuths, err);
-    return status == NQM_OK ? nqm_azimuths_score(s->azimuths, n, pairs, s->model, results, err) : status;
+    nqm_status status = nqm_scorer_anisotropic(s, &anisotropic, err);
+    return status == NQM_OK ? nqm_anisotropic_score(anisotropic, s->model, n, pairs, results, err) : status;
 }
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */
@@ -302,7 +309,7 @@ nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_test
         for (size_t i = 0; i < n; ++i)
             scorer->member[2 * i] = member;
         scorer->brdfs = tests + begin;
-        status = score_block(scorer, n, &(nqm_azimuth_pairs){.ref = ref, .tests = tests + begin}, results + begin, err);
+        status = score_block(scorer, n, &(nqm_opened_pairs){.ref = ref, .tests = tests + begin}, results + begin, err);
     }
     scorer->brdfs = NULL;
     return status;
@@ -395,7 +402,7 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
         for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
             scorer->member[i] = entry[i]->member;
         if (status == NQM_OK)
-            status = score_block(scorer, n, &(nqm_azimuth_pairs){.named = pairs + begin}, results + begin, err);
+            status = score_block(scorer, n, &(nqm_opened_pairs){.named = pairs + begin}, results + begin, err);
         for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
             errors[begin + i] = explain(scorer, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
         if (scorer->cache)

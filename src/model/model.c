@@ -65,7 +65,7 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
 }
 
 nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *t, nqm_error *err) {
-    const size_t n_light = t->n_directions * 3 * t->n_points, n_points = 3 * t->n_points;
+    const size_t n_light = t->n_directions * 3 * t->points.n, n_points = 3 * t->points.n;
     float *light = nqm_alloc(n_light, sizeof *light);
     double *points = nqm_alloc(n_points, sizeof *points);
     if (!light || !points) {
@@ -74,13 +74,13 @@ nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *t, nqm
         return nqm_fail_nomem(err, n_light * sizeof *light);
     }
     memcpy(light, t->light, n_light * sizeof *light);
-    memcpy(points, t->points, n_points * sizeof *points);
+    memcpy(points, t->points.at, n_points * sizeof *points);
     nqm_free(model->transport);
     nqm_free(model->transport_points);
     model->transport = light;
     model->transport_points = points;
     model->n_transport = t->n_directions;
-    model->n_points = t->n_points;
+    model->n_points = t->points.n;
     return NQM_OK;
 }
 

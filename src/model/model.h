@@ -39,10 +39,9 @@ typedef struct nqm_output_range {
 enum { NQM_TRANSPORT_POINTS = 256, NQM_TRANSPORT_STEP = 32, NQM_TRANSPORT_MAX_POINTS = 4096 };
 /** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. */
 typedef struct nqm_transport {
-    size_t n_directions, n_points;
-    const float *light;   /* (n_directions, 3, n_points) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
-    const double *points; /* (n_points, 3) fraction of the scene's picture; number of the scene, from 0, in ascending
-                             order; peak luminance of the display, cd/m2 */
+    size_t n_directions;
+    const float *light; /* (n_directions, 3, points.n) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
+    nqm_picture_points points;
 } nqm_transport;
 
 /** Distances whose weighted sum is the similarity's (nqm_apart_distances()), and then the 95 % half-width of its logarithm. */
@@ -85,11 +84,8 @@ struct nqm_model {
     nqm_directions *directions;
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
-    double *transport_points; /* as `points` in nqm_transport; NULL: none */
-    /* Light that each point receives by the slope of the half vector, of models for anisotropic BRDFs; NULL: none.
-     * cd/m2 times cosine times solid angle, (NQM_SLOPE_CELLS, 3, n_slope_points); points as in nqm_transport; unit
-     * vectors to the viewer in the axes of the surface (n_slope_points, 3). */
-    float *slopes;
+    double *transport_points; /* (n_points, 3) as in nqm_picture_points; NULL: none */
+    float *slopes;            /* with the next: of nqm_slope_light, of models for anisotropic BRDFs; NULL: none */
     double *slope_points, *slope_wo;
     float *novelty_points; /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
     char *scalar_names;    /* names of its scalar inputs, separated by commas; NULL: it has none */
@@ -168,11 +164,18 @@ void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_struct
  *  `light`. */
 const char *nqm_transport_fault(const nqm_transport *transport, bool verify);
 /** The same of `points` alone. */
-const char *nqm_transport_points_fault(size_t n_points, const double *points);
+const char *nqm_transport_points_fault(const nqm_picture_points *points);
 /** The transport matrix of a model; `light` is NULL if it has none. */
 static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
-    return (nqm_transport){model->n_transport, model->n_points, model->transport, model->transport_points};
+    return (nqm_transport){model->n_transport, model->transport, {model->n_points, model->transport_points}};
 }
+static inline nqm_slope_light nqm_model_slope_light(const struct nqm_model *model) {
+    return (nqm_slope_light){model->slopes, model->slope_wo, {model->n_slope_points, model->slope_points}};
+}
+/** Make a model without a network, which the caller completes: its light, by slopes or a transport matrix at the directions
+ *  nqm_node_grid_directions(), is 0. It has no golden scores. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_model_of_light(const char *id, bool by_slopes, size_t n_points, nqm_model **model_ret,
+                                             nqm_error *err);
 /** Give a model that is not shared yet a copy of a transport matrix. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *transport, nqm_error *err);
 /** What the outputs of models with a transport matrix are added to: log(Delta-E) and the targets of the parts of the estimated

@@ -273,7 +273,7 @@ static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     if (model->slopes && (model->n_slopes != NQM_SLOPE_CELLS || model->n_slope_wo != model->n_slope_points))
         transport_fault = "tensor 'slopes' or 'slopes.wo' has the wrong number of rows";
     else if (model->slopes)
-        transport_fault = nqm_transport_points_fault(model->n_slope_points, model->slope_points);
+        transport_fault = nqm_transport_points_fault(&(nqm_picture_points){model->n_slope_points, model->slope_points});
     if (transport_fault)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: %s", r->name, transport_fault);
     const char *bad = NULL,

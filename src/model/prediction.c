@@ -31,10 +31,10 @@ static double target_of(const nqm_output_range *o, double z) {
 }
 
 /* Whether the fractions of the points of every scene sum to 1, scenes are numbered from 0, and displays have a peak. */
-const char *nqm_transport_points_fault(size_t n_points, const double *points) {
+const char *nqm_transport_points_fault(const nqm_picture_points *points) {
     double scene = 0, sum = 0;
-    for (const double *p = points; p < points + 3 * n_points; p += 3) {
-        const bool is_next = p > points && p[1] == scene + 1;
+    for (const double *p = points->at; p < points->at + 3 * points->n; p += 3) {
+        const bool is_next = p > points->at && p[1] == scene + 1;
         if (!(p[0] >= 0 && p[0] <= 1))
             return "tensor 'transport.points' has a fraction outside 0 to 1";
         if (!is_next && p[1] != scene)
@@ -50,16 +50,16 @@ const char *nqm_transport_points_fault(size_t n_points, const double *points) {
 }
 
 const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
-    if (!t->light && !t->points)
+    if (!t->light && !t->points.at)
         return NULL;
-    if (!t->light || !t->points)
+    if (!t->light || !t->points.at)
         return "tensors 'transport' and 'transport.points' need each other";
-    if (t->n_points % NQM_TRANSPORT_STEP || t->n_points > NQM_TRANSPORT_MAX_POINTS)
+    if (t->points.n % NQM_TRANSPORT_STEP || t->points.n > NQM_TRANSPORT_MAX_POINTS)
         return "tensor 'transport.points' has a number of points that is no multiple of 32 up to 4096";
-    for (size_t i = 0; verify && i < t->n_directions * 3 * t->n_points; ++i)
+    for (size_t i = 0; verify && i < t->n_directions * 3 * t->points.n; ++i)
         if (!isfinite(t->light[i]))
             return "tensor 'transport' has a value that is not finite";
-    return nqm_transport_points_fault(t->n_points, t->points);
+    return nqm_transport_points_fault(&t->points);
 }
 
 static const double least = 0.05; /* Delta-E: nobody sees less */

@@ -57,6 +57,34 @@ void nqm_picture_gradient(const nqm_picture_sums *sums, const nqm_label *weights
 void nqm_label_add(nqm_label *mean, double share, const nqm_label *label);
 #define NQM_ITP_UNIT 720 /**< Delta-E ITP of a distance of 1 in ITP */
 
+/** Few points of the pictures of scenes, which stand for all. The array is borrowed. */
+typedef struct nqm_picture_points {
+    size_t n;
+    const double *at; /* (n, 3) fraction of the scene's picture; number of the scene, from 0, in ascending order; peak
+                         luminance of the display, cd/m2 */
+} nqm_picture_points;
+/** The point after the last of the scene of point `first`; and the share of a scene in the label. */
+size_t nqm_picture_scene_end(const nqm_picture_points *points, size_t first);
+double nqm_picture_share(const nqm_picture_points *points);
+/** ITP on the display, in units of Delta-E (NQM_ITP_UNIT), of linear BT.709 RGB in cd/m2. rgb, itp: (3, n), may be the same
+ *  array. In double, for gradients and for pictures that are few. */
+void nqm_picture_show(const nqm_picture_points *points, const double *rgb, double *itp);
+/** The same of points [first, first + n), n <= NQM_PICTURE_BLOCK, in place: picture (3, n). In float, several times as fast: the
+ *  estimates of transport matrices spend most of their time here. */
+enum { NQM_PICTURE_BLOCK = 128 };
+void nqm_picture_show_block(const nqm_picture_points *points, size_t first, size_t n, float *picture);
+/** The label of two pictures (3, n) of nqm_picture_show(). */
+nqm_label nqm_picture_label(const nqm_picture_points *points, const double *ref, const double *test);
+/** What the gradient of that label needs, (3, n) each: both pictures, and the light of the test in cd/m2. Pairs that share a
+ *  reference may share `ref`. */
+typedef struct nqm_shown_pair {
+    double *ref, *test, *light;
+} nqm_shown_pair;
+/** The gradient of sum_k weights_k label_k, over the members of that label, by the light of the test: by_light (3, n) receives
+ *  it. Points brighter than the display have no part in it. */
+void nqm_picture_light_gradient(const nqm_picture_points *points, const nqm_label *weights, const nqm_shown_pair *pair,
+                                double *by_light);
+
 /** The value that nqm_curve_default() returns. */
 extern const nqm_curve nqm_curve_published;
 

@@ -47,6 +47,14 @@ static void spread(nqm_scene *part, size_t n, nqm_surface_point *point) {
     nqm_spread_sphere(&part->options, point);
 }
 
+void nqm_ray_light(const nqm_ray *ray, double exposure, double wi[3], double light[3]) {
+    for (size_t k = 0; k < 3; ++k) {
+        wi[k] = (double)ray->wi[k];
+        light[k] = (double)ray->weight[k] * exposure;
+    }
+    nqm_normalize3(wi);
+}
+
 static void append(const drawn *p, double weight, nqm_rays *rays) {
     const nqm_scene *scene = p->scene;
     const double point[3] = {weight, (double)p->number, scene->options.peak_cdm2};
@@ -54,11 +62,7 @@ static void append(const drawn *p, double weight, nqm_rays *rays) {
     const nqm_surface_point *seen = nqm_scene_point(scene, p->index, &made);
     for (size_t j = 0; j < p->incident.n_rays; ++j, ++rays->n) {
         double wi[3];
-        for (size_t k = 0; k < 3; ++k) {
-            wi[k] = (double)p->incident.ray[j].wi[k];
-            rays->weight[3 * rays->n + k] = (double)p->incident.ray[j].weight[k] * scene->exposure;
-        }
-        nqm_normalize3(wi);
+        nqm_ray_light(&p->incident.ray[j], scene->exposure, wi, rays->weight + 3 * rays->n);
         nqm_turn3(seen->grain, wi, rays->wi + 3 * rays->n);
         nqm_turn3(seen->grain, seen->wo, rays->wo + 3 * rays->n);
         rays->point[rays->n] = rays->n_points;

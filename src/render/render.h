@@ -212,6 +212,9 @@ typedef struct nqm_ray {
     float weight[3]; /* radiance times cosine times solid angle, in the light's unit */
 } nqm_ray;
 
+/** Unit vector to the light of a ray, and its light in cd/m2 times cosine times solid angle. */
+void nqm_ray_light(const nqm_ray *ray, double exposure, double wi[3], double light[3]);
+
 enum { NQM_BOUNCE_LIGHTS = 12 };
 
 /** Light reflected by another part of the shape. */

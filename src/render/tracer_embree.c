@@ -4,7 +4,7 @@
  * threads trace the rays. The SSE2 kernels are selected because they use no fused operations, so that a scene is identical
  * on every processor; creating a scene becomes a few percent slower.
  */
-#include "base/library.h"
+#include "base/dynamic.h"
 #include "render/render.h"
 
 #include <embree3/rtcore.h>
@@ -28,9 +28,9 @@
     X(rtcOccluded1)
 
 /* Embree and its threading library are loaded with the first mesh. */
-static struct { EMBREE_FUNCTIONS(NQM_LIBRARY_MEMBER) } embree;
-static const char *const names[] = {EMBREE_FUNCTIONS(NQM_LIBRARY_NAME)};
-static nqm_library library = NQM_LIBRARY(NQM_EMBREE_SONAME, names, embree);
+static struct { EMBREE_FUNCTIONS(NQM_DYNAMIC_MEMBER) } embree;
+static const char *const names[] = {EMBREE_FUNCTIONS(NQM_DYNAMIC_NAME)};
+static nqm_dynamic library = NQM_DYNAMIC(NQM_EMBREE_SONAME, names, embree);
 
 struct nqm_tracer {
     RTCDevice device;
@@ -42,7 +42,7 @@ const char *nqm_tracer_version(void) {
 }
 
 bool nqm_tracer_available(void) {
-    return nqm_library_get(&library);
+    return nqm_dynamic_get(&library);
 }
 
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
@@ -71,7 +71,7 @@ static bool add_triangles(nqm_tracer *t, const nqm_mesh *mesh) {
 
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
     *tracer_ret = NULL;
-    if (!nqm_library_get(&library))
+    if (!nqm_dynamic_get(&library))
         return nqm_fail(err, NQM_ERR_IO, -1, "meshes need the library %s, which cannot be loaded", NQM_EMBREE_SONAME);
     nqm_tracer *t = nqm_alloc(1, sizeof *t);
     if (!t)

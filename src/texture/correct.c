@@ -10,37 +10,34 @@
 
 enum { MORE = 4 }; /* texels whose covariates are known, for each that is scored */
 
-/* The covariates of a texel. */
-typedef struct covariates {
-    double x[2];
-} covariates;
+typedef struct angles {
+    const nqm_texture_job *job;
+    nqm_covariates *next; /* of the next texel that is visited */
+} angles;
 
 static nqm_status find_angles(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                               nqm_error *err) {
-    (void)err;
-    for (size_t i = 0; i < n; ++i) {
+    angles *to = user;
+    (void)samples, (void)err;
+    for (size_t i = 0; i < n; ++i, ++to->next) {
         double tilt[3];
-        nqm_texels_tilt(user, rows, i, tilt);
-        samples[i].jod = atan2(hypot(tilt[0], tilt[1]), tilt[2]);
+        nqm_texels_tilt(to->job, rows, i, tilt);
+        to->next->x[1] = atan2(hypot(tilt[0], tilt[1]), tilt[2]);
     }
     return NQM_OK;
 }
 
 /* samples: (n) are overwritten. */
-static nqm_status find_covariates(nqm_texture_job *job, size_t n, nqm_texel_sample *samples, covariates *x,
+static nqm_status find_covariates(nqm_texture_job *job, size_t n, nqm_texel_sample *samples, nqm_covariates *x,
                                   nqm_error *err) {
     nqm_status status = nqm_texels_score(job, "near", NQM_EXCHANGE_FLAT, n, samples, NULL, err);
     for (size_t i = 0; i < n; ++i)
         x[i].x[0] = samples[i].delta_e;
-    if (status == NQM_OK)
-        status = nqm_texels_visit(job, NULL, n, samples, find_angles, job, err);
-    for (size_t i = 0; i < n; ++i)
-        x[i].x[1] = samples[i].jod;
-    return status;
+    return status == NQM_OK ? nqm_texels_visit(job, NULL, n, samples, find_angles, &(angles){job, x}, err) : status;
 }
 
-/* The slopes of y by two covariates: the normal equations. */
-static void find_slopes(size_t n, const nqm_texel_sample *y, const covariates *x, double slope[2]) {
+/* By the normal equations. */
+void nqm_covariate_slopes(size_t n, const nqm_texel_sample *y, const nqm_covariates *x, double slope[2]) {
     double mean[3] = {0}, xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (size_t i = 0; i < n; ++i) {
         mean[0] += x[i].x[0] / (double)n;
@@ -63,7 +60,8 @@ static void find_slopes(size_t n, const nqm_texel_sample *y, const covariates *x
 
 /* The variance of the mean of a stratified sample by the steps between neighbours; *mean receives that mean. y NULL: of
  * the regression, else of its residuals. */
-static double variance(size_t n, const nqm_texel_sample *y, const covariates *x, const double slope[2], double *mean) {
+static double variance(size_t n, const nqm_texel_sample *y, const nqm_covariates *x, const double slope[2],
+                       double *mean) {
     double sum = 0, squares = 0, last = 0;
     for (size_t i = 0; i < n; ++i) {
         const double fit = slope[0] * x[i].x[0] + slope[1] * x[i].x[1], v = y ? y[i].delta_e - fit : fit;
@@ -78,7 +76,7 @@ static double variance(size_t n, const nqm_texel_sample *y, const covariates *x,
 nqm_status nqm_texels_correct(nqm_texture_job *job, size_t n, const nqm_texel_sample *samples, nqm_error *err) {
     const size_t n_more = nqm_smaller(MORE * n, job->order.n);
     double slope[2], residual, fit, mean = 0;
-    covariates *few, *many;
+    nqm_covariates *few, *many;
     nqm_texel_sample *more;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&few, n, sizeof *few}, {&many, n_more, sizeof *many}, {&more, n_more, sizeof *more}), err);
@@ -93,7 +91,7 @@ nqm_status nqm_texels_correct(nqm_texture_job *job, size_t n, const nqm_texel_sa
     for (size_t i = 0; i < n; ++i)
         mean += samples[i].delta_e / (double)n;
     if (status == NQM_OK) {
-        find_slopes(n, samples, few, slope);
+        nqm_covariate_slopes(n, samples, few, slope);
         job->error = sqrt(variance(n, samples, few, slope, &residual) + variance(n_more, NULL, many, slope, &fit));
         job->correction = residual + fit - mean;
     }

@@ -2,13 +2,12 @@
  *
  * Scores of means: from afar, and of pixels with several texels. The BRDFs of texels that are smaller than a pixel are
  * averaged (Filip et al. 2016), each about its own normal. Both materials are averaged over the same texels, a
- * stratified sample. With normals, the light of pictures is averaged.
+ * stratified sample. With normals, the light of pictures is averaged (tilted.c).
  */
-#include "metric/azimuths.h"
+#include "math/math.h"
 #include "texture/score.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Members of a mean, and the texels from which those with normals are chosen. */
 enum { MAX_MEMBERS = NQM_TEXEL_BLOCK, N_CANDIDATES = 4096 };
@@ -125,14 +124,23 @@ static nqm_status score_flat(const members *m, nqm_score_result *score, nqm_erro
 
 /* ---- with normals ------------------------------------------------------------------------------------------------ */
 
-/* Leave in delta_e the key by which texels are sorted: bits of x and y of the reference's normal, interleaved; of the
- * test's if only that one varies. */
+/* Candidates, and the keys by which they are sorted. */
+typedef struct candidates {
+    const nqm_texture_job *job;
+    size_t n;
+    nqm_texel_sample samples[N_CANDIDATES];
+    double key[N_CANDIDATES];
+    nqm_indexed order[N_CANDIDATES];
+} candidates;
+
+/* A key: bits of x and y of the reference's normal, interleaved; of the test's if only that one varies. */
 static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                             nqm_error *err) {
     enum { BITS = 4 };
-    const nqm_texture *const *t = ((const nqm_texture_job *)user)->side;
+    candidates *all = user;
+    const nqm_texture *const *t = all->job->side;
     const size_t side = t[0]->normal != NQM_NO_NODE ? 0 : 1;
-    (void)err;
+    (void)samples, (void)err;
     for (size_t i = 0; i < n; ++i) {
         double normal[3];
         unsigned key = 0;
@@ -142,7 +150,7 @@ static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, con
                 const double x = copysign(sqrt(fabs(normal[c])), normal[c]);
                 key = 2 * key + ((unsigned)((x + 1) / 2 * ((1 << BITS) - 1)) >> bit & 1);
             }
-        samples[i].delta_e = key;
+        all->key[all->n++] = key;
     }
     return NQM_OK;
 }
@@ -151,24 +159,23 @@ static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, con
 static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples, size_t *n_ret, nqm_error *err) {
     const uint64_t seed = job->options.seed + 1;
     nqm_texel_order runs = job->order;
-    nqm_texel_sample *all = nqm_alloc(N_CANDIDATES, sizeof *all);
+    candidates *all = nqm_alloc(1, sizeof *all);
     if (!all)
-        return nqm_fail_nomem(err, N_CANDIDATES * sizeof *all);
+        return nqm_fail_nomem(err, sizeof *all);
     runs.begin = NULL;
-    const size_t n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all);
-    nqm_status status = nqm_texels_visit(job, NULL, n, all, find_keys, job, err);
-    for (size_t k = 0; k < n; ++k)
-        all[k].delta_e += (double)k / N_CANDIDATES; /* keys are integers; equal ones keep their order in each qsort() */
-    qsort(all, n, sizeof *all, nqm_texels_compare_delta_e);
+    all->job = job;
+    const size_t n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all->samples);
+    nqm_status status = nqm_texels_visit(job, NULL, n, all->samples, find_keys, all, err);
+    nqm_sort_indexed(n, all->key, all->order);
     *n_ret = nqm_texels_choose(&(nqm_texel_order){.n = n}, MAX_MEMBERS, nqm_hash_u64(seed, 0), samples);
     for (size_t k = 0; k < *n_ret; ++k)
-        samples[k].texel = all[samples[k].texel].texel;
+        samples[k].texel = all->samples[all->order[samples[k].texel].index].texel;
     nqm_free(all);
     return status;
 }
 
-/* The score of the means over texels. azimuths: NULL without normals. */
-static nqm_status score_mean(nqm_texture_job *job, const nqm_azimuths *azimuths, size_t n, nqm_texel_sample *samples,
+/* The score of the means over texels. anisotropic: the model for tilted BRDFs; NULL without normals. */
+static nqm_status score_mean(nqm_texture_job *job, const nqm_model *anisotropic, size_t n, nqm_texel_sample *samples,
                              nqm_score_result *score, nqm_error *err) {
     const double certain = job->model->interval ? 10 : NAN;
     members *m = nqm_alloc(1, sizeof *m);
@@ -180,8 +187,8 @@ static nqm_status score_mean(nqm_texture_job *job, const nqm_azimuths *azimuths,
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
         is_equal = is_equal && strcmp(m->specs[0][i], m->specs[1][i]) == 0;
     *score = (nqm_score_result){.jod = 10, .jod_low = certain, .jod_high = certain};
-    if (status == NQM_OK && !is_equal && azimuths)
-        status = nqm_azimuths_score_means(azimuths, m->n, m->pairs, m->weights, &job->ticker, score, err);
+    if (status == NQM_OK && !is_equal && anisotropic)
+        status = nqm_texture_score_tilted(anisotropic, m->n, m->pairs, m->weights, &job->ticker, score, err);
     else if (status == NQM_OK && !is_equal)
         status = score_flat(m, score, err);
     for (size_t i = 0; i < 2 * n; ++i)
@@ -192,16 +199,15 @@ static nqm_status score_mean(nqm_texture_job *job, const nqm_azimuths *azimuths,
 
 static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
     nqm_texel_sample samples[MAX_MEMBERS];
-    nqm_azimuths *azimuths = NULL;
+    const nqm_model *anisotropic = NULL;
     size_t n = 0;
-    nqm_status status = job->has_normals ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
+    nqm_status status = job->has_normals ? nqm_scorer_anisotropic(job->scorer, &anisotropic, err) : NQM_OK;
     if (status == NQM_OK && job->has_normals)
         status = choose_tilted(job, samples, &n, err);
     else
         n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
     if (status == NQM_OK)
-        status = score_mean(job, azimuths, n, samples, score, err);
-    nqm_azimuths_free(azimuths);
+        status = score_mean(job, anisotropic, n, samples, score, err);
     return status;
 }
 
@@ -227,16 +233,16 @@ nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *sa
                             nqm_error *err) {
     enum { SIDE = 16, SIDE_TILTED = 6 };
     nqm_texel_sample chosen[MAX_MEMBERS];
-    nqm_azimuths *azimuths = NULL;
-    nqm_status status = job->has_normals ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
+    const nqm_model *anisotropic = NULL;
+    nqm_status status = job->has_normals ? nqm_scorer_anisotropic(job->scorer, &anisotropic, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < n; ++k) {
         nqm_score_result r;
         if (nqm_tick(&job->ticker, "pixels", (double)k, (double)n)) {
             status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
             break;
         }
-        const size_t n_chosen = choose_in_pixel(job, samples[k].texel, azimuths ? SIDE_TILTED : SIDE, chosen);
-        status = score_mean(job, azimuths, n_chosen, chosen, &r, err);
+        const size_t n_chosen = choose_in_pixel(job, samples[k].texel, anisotropic ? SIDE_TILTED : SIDE, chosen);
+        status = score_mean(job, anisotropic, n_chosen, chosen, &r, err);
         samples[k].delta_e = r.delta_e;
         samples[k].jod = r.jod;
         samples[k].jod_low = r.jod_low;
@@ -244,7 +250,6 @@ nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *sa
         if (status == NQM_OK)
             nqm_label_add(parts, samples[k].weight, &r.parts);
     }
-    nqm_azimuths_free(azimuths);
     return status;
 }
 

@@ -82,6 +82,12 @@ NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *sta
 /** Set the correction of the mean Delta-E of n samples of runs, whose normals differ, and its standard error. */
 NQM_MUST_CHECK nqm_status nqm_texels_correct(nqm_texture_job *job, size_t n, const nqm_texel_sample *samples,
                                              nqm_error *err);
+/** Delta-E of a texel if the normals were equal, and the angle between its normals, radians. */
+typedef struct nqm_covariates {
+    double x[2];
+} nqm_covariates;
+/** The slopes of the Delta-E of n samples by both, by least squares; 0 by one that tells nothing more than the other. */
+void nqm_covariate_slopes(size_t n, const nqm_texel_sample *samples, const nqm_covariates *x, double slope[2]);
 /** Of two samples, for qsort(). */
 int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
@@ -100,6 +106,11 @@ typedef void nqm_texel_writer(void *user, const float *rows, size_t i, unsigned 
 NQM_MUST_CHECK nqm_status nqm_texture_write(const nqm_texture *texture, const size_t tiles[2], nqm_texel_writer *write,
                                             void *user, nqm_ticker *ticker, nqm_raster *picture, nqm_error *err);
 
+/** Set the prediction of a result: of two means of n BRDFs with different normals, by a model of slopes, weights (n) with the sum 1.
+ *  The status of a BRDF that cannot be opened; NQM_ERR_CANCELLED. */
+NQM_MUST_CHECK nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_named_pair *pairs,
+                                                   const double *weights, nqm_ticker *ticker, nqm_score_result *result,
+                                                   nqm_error *err);
 /** Fill the far score of the result. */
 NQM_MUST_CHECK nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
 

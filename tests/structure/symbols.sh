@@ -18,7 +18,7 @@ strangers=$(nm --defined-only --extern-only "$build/libnqm-full.a" | awk 'NF == 
 # Declared names: the identifier before the first "(" after NQM_API.
 declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^NQM_API[^(;]*[ *]\(nqm_[a-z0-9_]*\)(.*/\1/p'; }
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
-core_headers="base material brdf samples percept model metric texture"
+core_headers="base material brdf samples percept model metric texture pairs library"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
 for h in $core_headers encode fit render match data train label corpus; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test is broken"

@@ -72,10 +72,10 @@ nqm_transport make_transport(size_t n_points, size_t n_scenes, double peak_cdm2)
             points[3 * p + 2] = peak_cdm2 * (double)(s + 1);
         }
     }
-    return (nqm_transport){PAIR_N, n_points, light, points};
+    return (nqm_transport){PAIR_N, light, {n_points, points}};
 }
 
 void drop_transport(nqm_transport *transport) {
     nqm_free((void *)(uintptr_t)transport->light);
-    nqm_free((void *)(uintptr_t)transport->points);
+    nqm_free((void *)(uintptr_t)transport->points.at);
 }

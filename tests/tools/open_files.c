@@ -8,7 +8,7 @@
 #include "encode/encode.h"
 #include "encode/hyper.h"
 #include "io/raster.h"
-#include "nqm/score/pair_list.h"
+#include "pairs/pairs.h"
 #include "nqm/tool.h"
 
 #include <math.h>
@@ -61,9 +61,9 @@ static nqm_status open_directions_file(const char *path, nqm_error *err) {
 }
 
 static nqm_status open_list(const char *path, nqm_error *err) {
-    nqm_pair_list *list;
-    const nqm_status status = nqm_pair_list_load(path, &list, err);
-    nqm_pair_list_free(list);
+    nqm_pairs *list;
+    const nqm_status status = nqm_pairs_read(path, &list, err);
+    nqm_pairs_free(list);
     return status;
 }
 

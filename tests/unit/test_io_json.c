@@ -126,7 +126,9 @@ TEST(no_list_of_sizes_lacks_one) {
 
 /* In a child process for each allocation, which ends with the tool's exit code. */
 TEST(no_remark_of_the_tool_is_missing) {
-    const remark_terms terms = {.n_directions = 10};
+    nqm_model *model;
+    assert_int_equal(nqm_model_builtin("default", &model, NULL), NQM_OK);
+    const remark_terms terms = {.model = model};
     const nqm_named_pair pair = {"ref", "test"};
     const nqm_score_result result = {.n_clamped[0] = 1, .n_invalid[1] = 2, .novelty = 2, .jod_high = 1};
     int code = EXIT_LIMIT;

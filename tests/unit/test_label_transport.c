@@ -46,7 +46,7 @@ static void make(const nqm_scene_options *o, size_t n_lights) {
     assert_true(nqm_directions_count(f.directions) <= MAX_DIRECTIONS);
     f.scene = make_scene(o);
     assert_int_equal(nqm_transport_fill(&scene, POINTS, f.light, f.points, NULL), NQM_OK);
-    f.transport = (nqm_transport){nqm_directions_count(f.directions), POINTS, f.light, f.points};
+    f.transport = (nqm_transport){nqm_directions_count(f.directions), f.light, {POINTS, f.points}};
     assert_null(nqm_transport_fault(&f.transport, true));
 }
 

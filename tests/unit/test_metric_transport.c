@@ -13,13 +13,13 @@
 #include <float.h>
 #include <omp.h>
 
-enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_BLOCK, PARTS = 1 + NQM_LABEL_PARTS };
+enum { N = 7, BRDFS = 5, POINTS = NQM_PICTURE_BLOCK, PARTS = 1 + NQM_LABEL_PARTS };
 
 static float light[N * 3 * POINTS], rgb[BRDFS][3 * N];
 static double points[3 * POINTS], itp[BRDFS][POINTS][3], itp_used[BRDFS][POINTS][3];
 static double labels[BRDFS][PARTS], labels_used[BRDFS][PARTS], looks[2][BRDFS];
 static uint8_t used[BRDFS][N];
-static const nqm_transport transport = {N, POINTS, light, points};
+static const nqm_transport transport = {N, light, {POINTS, points}};
 
 static int read_vectors(void **state) {
     (void)state;
@@ -210,7 +210,7 @@ TEST(predictions_give_the_same_bits) {
     static float random[N_DIRECTIONS * 3 * POINTS];
     for (size_t i = 0; i < N_DIRECTIONS * 3 * POINTS; ++i)
         random[i] = (float)nqm_rng_uniform(&rng);
-    const nqm_transport matrix = {N_DIRECTIONS, POINTS, random, points};
+    const nqm_transport matrix = {N_DIRECTIONS, random, {POINTS, points}};
     assert_int_equal(nqm_model_set_transport(model, &matrix, NULL), NQM_OK);
     for (size_t i = 0; i < 2 * N_PAIRS * 3 * N_DIRECTIONS; ++i)
         samples[i] = (float)nqm_rng_uniform(&rng);

@@ -21,16 +21,16 @@ typedef struct estimated {
 } estimated;
 
 static void estimate(const nqm_transport *t, const gradient_pair *p, const uint8_t *used, estimated *e) {
-    const size_t n = 3 * t->n_points;
+    const size_t n = 3 * t->points.n;
     double *block = nqm_alloc(4 * n, sizeof *block), *by_light = block + 3 * n;
     float *rounded = nqm_alloc(n, sizeof *rounded);
     const nqm_sample_pair pair = {p->ref, p->test, used};
-    const nqm_seen_pair seen = {block, block + n, block + 2 * n};
-    nqm_transport_see(t, 1, &pair, &seen);
-    e->label = nqm_transport_label(t, seen.ref, seen.test);
+    const nqm_shown_pair shown = {block, block + n, block + 2 * n};
+    nqm_transport_see(t, 1, &pair, &shown);
+    e->label = nqm_picture_label(&t->points, shown.ref, shown.test);
     memset(e->gradient, 0, sizeof e->gradient);
     for (size_t w = 0; w < N_WEIGHTS; ++w) {
-        nqm_transport_light_gradient(t, &weights[w], &seen, by_light);
+        nqm_picture_light_gradient(&t->points, &weights[w], &shown, by_light);
         for (size_t i = 0; i < n; ++i)
             rounded[i] = (float)by_light[i];
         nqm_transport_gradient(t, 1, &pair, rounded, e->gradient[w]);
@@ -83,10 +83,10 @@ TEST(as_pytorch) {
 static nqm_transport part_of(const nqm_transport *t, size_t first, size_t n) {
     nqm_transport part = make_transport(n, 1, 1e5);
     float *light = (float *)(uintptr_t)part.light;
-    double *points = (double *)(uintptr_t)part.points;
+    double *points = (double *)(uintptr_t)part.points.at;
     for (size_t i = 0; i < N_VALUES; ++i)
-        memcpy(light + i * n, t->light + i * t->n_points + first, n * sizeof *light);
-    memcpy(points, t->points + 3 * first, 3 * n * sizeof *points);
+        memcpy(light + i * n, t->light + i * t->points.n + first, n * sizeof *light);
+    memcpy(points, t->points.at + 3 * first, 3 * n * sizeof *points);
     for (size_t p = 0; p < n; ++p)
         points[3 * p + 1] = 0;
     return part;

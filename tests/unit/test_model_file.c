@@ -32,7 +32,7 @@ static void add_transport(struct nqm_model *model) {
         points[3 * i + 1] = (double)(i / (n_points / 2));
         points[3 * i + 2] = 1000;
     }
-    const nqm_transport transport = {N_DIRECTIONS, n_points, light, points};
+    const nqm_transport transport = {N_DIRECTIONS, light, {n_points, points}};
     assert_int_equal(nqm_model_set_transport(model, &transport, NULL), NQM_OK);
 }
 

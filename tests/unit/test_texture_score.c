@@ -196,6 +196,36 @@ TEST(regression_is_within_its_error) {
     assert_true(r[0].error < 0.5);
 }
 
+/* Of a plane with noise that no slope explains; then of covariates that say the same, and of constants. */
+TEST(slopes_by_covariates) {
+    enum { N_SAMPLES = 8 };
+    nqm_texel_sample y[N_SAMPLES] = {0};
+    nqm_covariates x[N_SAMPLES];
+    double slope[2];
+    for (size_t i = 0; i < N_SAMPLES; ++i) { /* bits of i, and their product as noise, are orthogonal */
+        const double a = (double)(i & 1), b = (double)(i >> 1 & 1), c = (double)(i >> 2 & 1);
+        x[i] = (nqm_covariates){{5 + 2 * a, a + 0.1 * b}};
+        y[i].delta_e = 3 + 1.5 * x[i].x[0] - 4 * x[i].x[1] + 0.7 * (2 * c - 1);
+    }
+    nqm_covariate_slopes(N_SAMPLES, y, x, slope);
+    assert_near(slope[0], 1.5, 1e-9);
+    assert_near(slope[1], -4, 1e-9);
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        x[i].x[1] = 3 * x[i].x[0]; /* says nothing more */
+    nqm_covariate_slopes(N_SAMPLES, y, x, slope);
+    assert_near(slope[0], 1.5 - 2, 1e-9);
+    assert_true(slope[1] == 0);
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        x[i] = (nqm_covariates){{1, (double)(i & 1)}};
+    nqm_covariate_slopes(N_SAMPLES, y, x, slope);
+    assert_true(slope[0] == 0);
+    assert_near(slope[1], 3 - 4, 1e-9);
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        x[i] = (nqm_covariates){{1, 2}};
+    nqm_covariate_slopes(N_SAMPLES, y, x, slope);
+    assert_true(slope[0] == 0 && slope[1] == 0);
+}
+
 TEST(order_does_not_matter) {
     float test[N], moved[2][N];
     nqm_texture_options options = options_of(0, 0);

@@ -6,7 +6,7 @@
  */
 #include "brdf/formats/format.h"
 #include "io/xml.h"
-#include "nqm/score/pair_list.h"
+#include "pairs/pairs.h"
 #include "support/check.h"
 #include "support/damage.h"
 #include "support/rows.h"
@@ -22,9 +22,9 @@ static nqm_status read_nothing(const nqm_map *map, nqm_error *err) {
 }
 
 static nqm_status read_list(const nqm_map *map, nqm_error *err) {
-    nqm_pair_list *list;
-    const nqm_status status = nqm_pair_list_parse((const char *)map->data, map->n_bytes, map->path, &list, err);
-    nqm_pair_list_free(list);
+    nqm_pairs *list;
+    const nqm_status status = nqm_pairs_parse((const char *)map->data, map->n_bytes, map->path, &list, err);
+    nqm_pairs_free(list);
     return status;
 }
 

@@ -20,28 +20,28 @@ TEST(words_begin_at_their_jod) {
                 {8, "visible", "clearly visible"},
                 {6, "clearly visible", "very different"}};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; ++i) {
-        assert_string_equal(jod_words(ends[i].from), ends[i].words);
-        assert_string_equal(jod_words(nextafter(ends[i].from, 0)), ends[i].below);
+        assert_string_equal(nqm_verdict_words(ends[i].from), ends[i].words);
+        assert_string_equal(nqm_verdict_words(nextafter(ends[i].from, 0)), ends[i].below);
     }
 }
 
 TEST(verdicts_are_those_of_the_interval) {
-    char text[VERDICT_TEXT];
+    char text[NQM_VERDICT_TEXT];
     nqm_score_result r = scored(9.2, 8.5, 9.6);
-    assert_string_equal(verdict_words(&r, text), "between practically the same and visible");
+    assert_string_equal(nqm_verdict(&r, text), "between practically the same and visible");
     r = scored(9.2, 9, 9.4);
-    assert_string_equal(verdict_words(&r, text), "hardly visible");
+    assert_string_equal(nqm_verdict(&r, text), "hardly visible");
     r = scored(9.2, NAN, NAN);
-    assert_string_equal(verdict_words(&r, text), "hardly visible");
+    assert_string_equal(nqm_verdict(&r, text), "hardly visible");
     r.identical = 1;
-    assert_string_equal(verdict_words(&r, text), "identical");
-    assert_true(preference_share(&r) == 0.5);
+    assert_string_equal(nqm_verdict(&r, text), "identical");
+    assert_true(nqm_verdict_preference(&r) == 0.5);
     r = scored(9, 9, 9);
-    assert_true(fabs(preference_share(&r) - 0.75) < 1e-15);
+    assert_true(fabs(nqm_verdict_preference(&r) - 0.75) < 1e-15);
     r = scored(10.5, 10, 11); /* above 10 the reference is no better */
-    assert_true(preference_share(&r) == 0.5);
+    assert_true(nqm_verdict_preference(&r) == 0.5);
     r.status = NQM_ERR_IO;
-    assert_string_equal(verdict_words(&r, text), "");
+    assert_string_equal(nqm_verdict(&r, text), "");
 }
 
 TEST(gates_let_their_own_value_pass) {

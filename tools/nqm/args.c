@@ -6,6 +6,7 @@
 #include "base/names.h"
 #include "metric/metric.h"
 #include "nqm/help.h"
+#include "pairs/pairs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -152,9 +153,10 @@ static void check_first(const command *cmd, const char *word) {
 static void take_reflections(const command *cmd, int n, char **argv) {
     for (int i = 0; ignored_words && i < n; ++i) {
         const char *argument = reflecting(argv[i]);
+        const size_t n_name = nqm_pairs_name_length(argument);
         char text[200];
         if (argument != argv[i] && cmd->table != &nqm_score_option_table &&
-            describe_ignored(argument + name_length(argument) + (name_length(argument) > 0), text, sizeof text))
+            nqm_pairs_describe_ignored(argument + (n_name ? n_name + 1 : 0), sizeof text, text))
             report(EXIT_OK, "%s: %s", argv[i], text);
         argv[i] = (char *)(uintptr_t)argument;
     }

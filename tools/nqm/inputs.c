@@ -10,6 +10,7 @@
 #include "material/material.h"
 #include "nqm/textured.h"
 #include "nqm/tool.h"
+#include "pairs/pairs.h"
 #include "render/render.h"
 
 #include <errno.h>
@@ -165,51 +166,12 @@ char *read_text(const char *path) {
     return text;
 }
 
-size_t name_length(const char *argument) {
-    const size_t n = strcspn(argument, "=:/");
-    return argument[n] == '=' && argument[n + 1] && !nqm_spec_lacks_colon(argument) && access(argument, F_OK) != 0 ? n
-                                                                                                                   : 0;
-}
-
-static bool same_name(const named_brdf *x, const named_brdf *y) {
-    return x->group == y->group && strcmp(x->reference, y->reference) == 0 && strcmp(x->name, y->name) == 0;
-}
-
-static int compare_names(const void *a, const void *b) {
-    const named_brdf *x = a, *y = b;
-    int order = (x->group > y->group) - (x->group < y->group);
-    order = order ? order : strcmp(x->reference, y->reference);
-    order = order ? order : strcmp(x->name, y->name);
-    return order ? order : (x->row > y->row) - (x->row < y->row);
-}
-
-static _Noreturn void stop_name(const char *list, const char *rows, const char *flaw) {
-    stop(list ? EXIT_MALFORMED : EXIT_USAGE, "%s%s%s%s", list ? list : "", list ? ": " : "", list ? rows : "", flaw);
-}
-
-void check_names(size_t n, named_brdf *names, const char *list) {
-    char rows[80], flaw[300];
-    for (size_t i = 0; i < n; ++i)
-        if (shown(names[i].name) != names[i].name) {
-            snprintf(rows, sizeof rows, "row %zu: ", names[i].row);
-            snprintf(flaw, sizeof flaw, "the name '%.200s' has a control character", names[i].name);
-            stop_name(list, rows, flaw);
-        }
-    qsort(names, n, sizeof *names, compare_names);
-    for (size_t i = 1; i < n; ++i)
-        if (same_name(&names[i - 1], &names[i])) {
-            snprintf(rows, sizeof rows, "rows %zu and %zu: ", names[i - 1].row, names[i].row);
-            snprintf(flaw, sizeof flaw, "two BRDFs have the name '%.200s'; give each a name of its own", names[i].name);
-            stop_name(list, rows, flaw);
-        }
-}
-
 const char **take_names(int n, char **arguments) {
     const char **names = allocate((size_t)n, sizeof *names);
-    named_brdf *given = allocate((size_t)n, sizeof *given);
+    nqm_pairs_name *given = allocate((size_t)n, sizeof *given);
     size_t n_given = 0, group = 0;
     for (int i = 0; i < n; ++i) {
-        const size_t n_name = name_length(arguments[i]);
+        const size_t n_name = nqm_pairs_name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
@@ -218,12 +180,12 @@ const char **take_names(int n, char **arguments) {
         if (n_name) {
             arguments[i][n_name] = '\0';
             names[i] = arguments[i];
-            given[n_given++] = (named_brdf){group, 0, "", names[i]};
+            given[n_given++] = (nqm_pairs_name){group, 0, "", names[i]};
             arguments[i] += n_name + 1;
         }
         refuse_model_name(arguments[i]);
     }
-    check_names(n_given, given, NULL);
+    must(nqm_pairs_check_names(n_given, given, NULL, &fault));
     free(given);
     return names;
 }
@@ -240,25 +202,13 @@ const char *member_name(const char *argument) {
     return colon ? colon + 1 : NULL;
 }
 
+static nqm_pairs_files read_files;
+
 const nqm_materials *parsed_materials(const char *path) {
-    typedef struct read_file {
-        char *path;
-        nqm_materials *materials;
-    } read_file;
-    static read_file last[2]; /* a list pairs the materials of two files; the last used one first */
-    read_file *other = &last[1], first = last[0];
-    if (first.path && strcmp(first.path, path) == 0)
-        return first.materials;
-    if (!other->path || strcmp(other->path, path) != 0) {
-        free(other->path);
-        nqm_materials_free(other->materials);
-        *other = (read_file){.path = must_have(strdup(path))};
-        if (is_file(path))
-            (void)!nqm_materials_open(path, &other->materials, NULL);
-    }
-    last[0] = *other;
-    *other = first;
-    return last[0].materials;
+    const nqm_materials *materials = nqm_pairs_materials(&read_files, path);
+    if (read_files.is_short)
+        stop(EXIT_LIMIT, "out of memory");
+    return materials;
 }
 
 const nqm_materials *read_library(const char *argument) {
@@ -271,18 +221,11 @@ const nqm_materials *read_library(const char *argument) {
 const char *ignored_words, *within;
 
 bool find_material(const char *argument, nqm_material_info *info) {
-    static const size_t only[] = {0};
-    unsigned ignored;
-    argument += nqm_ignore_prefix(argument, &ignored);
-    const char *name = member_name(argument);
-    char *path = must_have(strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument)));
-    const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
-    size_t n = materials && nqm_materials_count(materials) == 1;
-    const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
-    free(path);
-    if (n == 1)
-        *info = nqm_materials_reflecting(materials, found[0], ignored);
-    return n == 1;
+    return nqm_pairs_find_material(&read_files, argument, info);
+}
+
+bool has_same_refusal(const nqm_named_pair *pair) {
+    return nqm_pairs_refused_alike(&read_files, pair);
 }
 
 unsigned ignored_set(void) {
@@ -296,29 +239,9 @@ unsigned ignored_set(void) {
 }
 
 const char *reflecting(const char *argument) {
-    unsigned needed;
-    nqm_material_info info;
-    const unsigned ignored = ignored_set();
-    if (!ignored)
-        return argument;
-    const size_t n_name = name_length(argument), at = n_name ? n_name + 1 : 0;
-    if (nqm_spec_probe(argument + at) || nqm_ignore_prefix(argument + at, &needed) ||
-        !find_material(argument + at, &info) || !info.ignorable ||
-        !nqm_ignore_parse(info.ignorable, strlen(info.ignorable), &needed) || (needed & ~ignored))
-        return argument;
-    const size_t n = strlen(argument) + strlen("ignore::") + strlen(info.ignorable) + 1;
-    char *text = allocate(n, 1);
-    snprintf(text, n, "%.*signore:%s:%s", (int)at, argument, info.ignorable, argument + at);
-    return text;
-}
-
-bool describe_ignored(const char *argument, char *text, size_t n) {
-    char words[NQM_IGNORE_SIZE];
-    unsigned ignored;
-    if (!nqm_ignore_prefix(argument, &ignored))
-        return false;
-    snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
-    return true;
+    const size_t n_name = nqm_pairs_name_length(argument), at = n_name ? n_name + 1 : 0;
+    const char *text = nqm_pairs_reflecting(&read_files, argument + at, ignored_set());
+    return !text ? argument : at ? must_have(nqm_strdupf("%.*s%s", (int)at, argument, text)) : text;
 }
 
 bool is_folder(const char *path) {
@@ -382,22 +305,12 @@ nqm_directions *open_directions(const char *name_or_path) {
     return directions;
 }
 
-bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text) {
-    if (!(apart_deg[0] > 0.1))
-        return false;
-    snprintf(text, n,
-             "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
-             "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
-             argument, apart_deg[0], apart_deg[1]);
-    return true;
-}
-
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
     const size_t n = nqm_directions_count(directions);
     double apart[2];
     must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &fault));
     char text[400];
-    if (describe_distance(argument, apart, sizeof text, text))
+    if (nqm_pairs_describe_distance(argument, apart, sizeof text, text))
         report(EXIT_OK, "%s", text);
 }
 

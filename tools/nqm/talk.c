@@ -68,6 +68,16 @@ int report(int exit_code, const char *format, ...) {
     return exit_code;
 }
 
+void report_part(void *user, nqm_status status, const char *message) {
+    nqm_error err = {.status = status};
+    (void)user;
+    snprintf(err.message, sizeof err.message, "%s", message);
+    if (status == NQM_OK)
+        report(EXIT_OK, "%s", message);
+    else
+        report_error(&err);
+}
+
 /* Without the handlers of exit(): leak checkers would report the memory that is left to the system. */
 static _Noreturn void leave(int exit_code) {
     abandon_outputs();

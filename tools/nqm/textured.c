@@ -4,6 +4,7 @@
  */
 #include "nqm/textured.h"
 
+#include "library/library.h"
 #include "material/maps.h"
 
 #include <math.h>
@@ -38,10 +39,8 @@ nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *e
 }
 
 nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
-    const nqm_status status = nqm_texture_open(argument, show_progress, NULL, texture_ret, err);
-    if (status == NQM_OK && *nqm_texture_get_info(*texture_ret, NULL).remark)
-        report(EXIT_OK, "%s: %s", shown(argument), nqm_texture_get_info(*texture_ret, NULL).remark);
-    return status;
+    const nqm_library_terms terms = {.progress = show_progress, .report = report_part};
+    return nqm_library_open_texture(&terms, argument, texture_ret, err);
 }
 
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
@@ -49,40 +48,16 @@ nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_er
     return is_textured(argument) ? open_texture(argument, texture_ret, err) : NQM_OK;
 }
 
-found_maps find_maps(const char *argument) {
-    found_maps found = {NULL, NULL, NULL};
-    size_t index = 0;
-    const nqm_status status = nqm_maps_probe(argument)
-                                  ? nqm_maps_open(argument, &found.own, NULL)
-                                  : nqm_brdf_find_textured(argument, &found.materials, &index, NULL);
-    if (status == NQM_OK)
-        found.maps = found.materials ? nqm_materials_maps(found.materials, index, ~0U) : found.own;
-    return found;
-}
-
-void free_maps(found_maps *found) {
-    nqm_textured_free(found->own);
-    nqm_materials_free(found->materials);
-    *found = (found_maps){NULL, NULL, NULL};
-}
-
-void each_map(const char *argument, void (*visit)(void *user, const char *path), void *user) {
-    found_maps found = find_maps(argument);
-    for (size_t i = 0; found.maps && i < found.maps->n_images; ++i)
-        if (found.maps->images[i].path)
-            visit(user, found.maps->images[i].path);
-    free_maps(&found);
-}
-
-static void keep_file(void *user, const char *path) {
-    struct stat st;
-    (void)user;
-    if (stat(path, &st) == 0)
-        (void)!nqm_role_input(&st, path, NULL);
-}
-
 void keep_maps(const char *argument) {
-    each_map(argument, keep_file, NULL);
+    nqm_library_maps found;
+    (void)!nqm_library_find_maps(argument, &found, NULL);
+    for (size_t i = 0; found.maps && i < found.maps->n_images; ++i) {
+        const char *path = found.maps->images[i].path;
+        struct stat st;
+        if (path && stat(path, &st) == 0)
+            (void)!nqm_role_input(&st, path, NULL);
+    }
+    nqm_library_free_maps(&found);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */

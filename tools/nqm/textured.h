@@ -15,17 +15,6 @@ bool is_textured(const char *argument);
 bool is_library(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
-/** What is computed from the maps of an argument. */
-typedef struct found_maps {
-    const nqm_textured *maps; /* NULL: it has none */
-    nqm_textured *own;
-    nqm_materials *materials;
-} found_maps;
-/** No image is read. free_maps() it. */
-found_maps find_maps(const char *argument);
-void free_maps(found_maps *found);
-/** Call visit with the file of each map of an argument that has any; no image is read. */
-void each_map(const char *argument, void (*visit)(void *user, const char *path), void *user);
 /** Make the maps of an argument, if it has any, files that no output of this run replaces. */
 void keep_maps(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */

@@ -141,17 +141,6 @@ void refuse_near_word(const char *argument, const char *word);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. */
 nqm_brdf **open_brdfs(int n, char **arguments);
 void close_brdfs(int n, nqm_brdf **brdfs);
-/** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
- *  name is not split, nor is a spec with another character for its colon. */
-size_t name_length(const char *argument);
-/** The name of a BRDF among those that must differ: of one group and one reference. */
-typedef struct named_brdf {
-    size_t group, row; /* row: of a list, from 1; 0: an argument */
-    const char *reference, *name;
-} named_brdf;
-/** Stop at a name with control characters, and at equal ones; sorts them. list: the name of the list that has them;
- *  NULL: arguments. */
-void check_names(size_t n, named_brdf *names, const char *list);
 /** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. A
  *  name with control characters is refused, and one that two BRDFs of a reference ("+" separates references) have; so are the names
  *  of models. */
@@ -165,13 +154,13 @@ bool is_file(const char *path);
 const char *member_name(const char *argument);
 /** The material of an argument "FILE" or "FILE:NAME", with what "ignore:WORDS:" before it ignores; false: it is none. */
 bool find_material(const char *argument, nqm_material_info *info);
+/** Whether both members are materials that nqm refuses for the same property, value and reason. */
+bool has_same_refusal(const nqm_named_pair *pair);
 /** NQM_IGNORE_... of --ignore; stops at other words. */
 unsigned ignored_set(void);
 /** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a
  *  BRDF or texture of; valid to the end of the program. */
 const char *reflecting(const char *argument);
-/** What such a prefix means, for people; false: the argument has none. */
-bool describe_ignored(const char *argument, char *text, size_t n);
 /** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with
  *  another path. */
 const nqm_materials *parsed_materials(const char *path);
@@ -187,9 +176,6 @@ char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
  *  default ones if there is no such model. */
 nqm_directions *open_directions(const char *name_or_path);
-/** Whether the rows of a list are more than 0.1 degrees from a model's directions: text (n) says how far. apart_deg:
- *  median, 95 %. */
-bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text);
 /** Say how far the rows of a list of measured directions are from those of a model, where it is more than 0.1 degrees. */
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions);
 /** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
@@ -211,6 +197,8 @@ void set_verb(const char *name);
 const char *verb_name(void);
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
 int report_error(const nqm_error *err);
+/** A message of the library on a part that is left out (status), or on what is not used (NQM_OK). */
+void report_part(void *user, nqm_status status, const char *message);
 /** The same for an error that the tool found; returns exit_code. */
 __attribute__((format(printf, 2, 3))) int report(int exit_code, const char *format, ...);
 int exit_code_of(nqm_status status);
@@ -280,8 +268,6 @@ json_t *json_label_parts(const nqm_label *label, const double *similarity);
 #define PART_COLUMNS                                                                                                   \
     ",shift_i=parts.shift_itp.0,shift_t=parts.shift_itp.1,shift_p=parts.shift_itp.2,contrast=parts.contrast,"          \
     "structure=parts.structure"
-/** A JOD below 10 in words (score/score_shared.c); the table is in doc/cli.md. */
-const char *jod_words(double jod);
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */
 void print_phrases(const char *text);
 /** Print what is stored about the intervals of a model, nqm_model_info.calibration; the same as JSON, null without intervals. */

@@ -27,7 +27,7 @@ static void make_rows(conform_result *r, const nqm_conform_kit *kit, const char 
     r->run.rows = allocate(r->kit.n_sets, sizeof *r->run.rows);
     r->run.ref_path = r->kit.model;
     r->run.ref_name = name;
-    r->run.terms = (remark_terms){r->kit.n_directions, NQM_INVALID_DROP};
+    r->run.terms = (remark_terms){r->run.model, NQM_INVALID_DROP};
     for (size_t set = 0; set < r->kit.n_sets; ++set) {
         scored_pair *row = &r->run.rows[set];
         char text[32];
@@ -97,7 +97,7 @@ static json_t *json_facts(const nqm_conform_report *r, size_t n_directions) {
 /* ---- the sets ---------------------------------------------------------------------------------------------------- */
 
 static void print_text(const conform_result *r, const row_summary *s) {
-    char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
+    char verdict[NQM_VERDICT_TEXT], words[NQM_LABEL_TEXT];
     const score_run *run = &r->run;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
            shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit.n_directions, "[95 %]          ", "verdict",
@@ -105,7 +105,7 @@ static void print_text(const conform_result *r, const row_summary *s) {
     for (size_t i = 0; i < s->summary.n_shown; ++i) {
         const scored_pair *row = &run->rows[s->summary.order[i]];
         print_jod(row, true);
-        printf("  %-20s", row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
+        printf("  %-20s", row->err.status == NQM_OK ? nqm_verdict(&row->result, verdict) : "no score");
         if (has_gate(&run->gate))
             printf("  %-4s", gate_mark(&run->gate, &row->result));
         printf("  %s\n", row->name);

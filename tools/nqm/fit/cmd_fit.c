@@ -6,7 +6,6 @@
 #include "base/names.h"
 #include "fit/fit.h"
 #include "fit/match.h"
-#include "nqm/library/library.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
@@ -481,14 +480,13 @@ static int fit_reference(nqm_brdf *ref, const char *argument, const char *shown_
 
 /* Each BRDF of a folder; those that cannot be opened are named. */
 static int fit_folder(const char *folder, const fit_request *request, fit_terms *terms) {
-    library of = {0};
     int exit_code = EXIT_OK;
     if (path || page || format == FORMAT_JSON)
         stop(EXIT_USAGE,
              "%s is a folder: its fits are printed as text or with --quiet, without -o, --report and --json", folder);
-    list_library(folder, &of);
-    for (size_t i = 0; i < of.n; ++i) {
-        const member *m = &of.members[i];
+    nqm_library *of = open_library(1, &folder, NULL, NULL);
+    for (size_t i = 0; i < of->n; ++i) {
+        const nqm_library_member *m = &of->members[i];
         nqm_brdf *ref = NULL;
         nqm_error err = {0};
         const nqm_status status = explain_texture(m->argument, nqm_brdf_open(m->argument, &ref, &err), &err);
@@ -498,7 +496,7 @@ static int fit_folder(const char *folder, const fit_request *request, fit_terms 
             report(code, "%s", err.message);
         exit_code = exit_code == EXIT_OK ? code : exit_code;
     }
-    free_library(&of);
+    nqm_library_free(of);
     return exit_code;
 }
 

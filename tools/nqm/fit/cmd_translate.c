@@ -6,7 +6,6 @@
 #include "base/options.h"
 #include "brdf/brdf.h"
 #include "material/material.h"
-#include "nqm/library/library.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
@@ -64,11 +63,10 @@ static void add_item(translation *t, const char *file, const char *material) {
 static void add_argument(translation *t, const char *argument) {
     refuse_model_name(argument);
     if (is_library(argument)) {
-        library of = {.path = NULL};
-        list_library(argument, &of);
-        for (size_t i = 0; i < of.n; ++i)
-            add_item(t, of.members[i].argument, NULL);
-        free_library(&of);
+        nqm_library *of = open_library(1, &argument, NULL, NULL);
+        for (size_t i = 0; i < of->n; ++i)
+            add_item(t, of->members[i].argument, NULL);
+        nqm_library_free(of);
         return;
     }
     const nqm_materials *materials = read_library(argument);
@@ -272,7 +270,7 @@ static nqm_status translate_maps(const translation *t, item *it, nqm_error *err)
     nqm_texture_free(ref);
     if (status != NQM_OK)
         return status;
-    it->score = result_of_textures(&it->result.texture);
+    it->score = nqm_library_texture_result(&it->result.texture);
     it->transport = (nqm_score_result){.jod = NAN};
     snprintf(it->written, sizeof it->written, "%s", it->path);
     return NQM_OK;

@@ -5,7 +5,7 @@
  */
 #include "corpus/corpus.h"
 #include "nqm/label/scene.h"
-#include "nqm/score/pair_list.h"
+#include "pairs/pairs.h"
 
 #include <string.h>
 #include <strings.h>
@@ -80,14 +80,13 @@ static void set_column(const char *list, size_t row, const char *name, const cha
 }
 
 /* The texts belong to the list; free() the result. */
-static nqm_corpus_pair *take_pairs(const char *path, const nqm_pair_list *list) {
-    nqm_corpus_pair *pairs = allocate(list->n_rows, sizeof *pairs);
-    for (size_t row = 0; row < list->n_rows; ++row) {
-        pairs[row] = (nqm_corpus_pair){.reference = list->pair[row].ref, .test = list->pair[row].test};
-        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
-            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-            set_column(path, row, list->column[cell.column], cell.text, &pairs[row]);
-        }
+static nqm_corpus_pair *take_pairs(const char *path, const nqm_pairs *list) {
+    nqm_corpus_pair *pairs = allocate(list->n, sizeof *pairs);
+    nqm_pairs_cell cell;
+    for (size_t row = 0; row < list->n; ++row) {
+        pairs[row] = (nqm_corpus_pair){.reference = list->pairs[row].ref, .test = list->pairs[row].test};
+        for (size_t i = 0; nqm_pairs_get_cell(list, row, i, &cell); ++i)
+            set_column(path, row, list->columns[cell.column], cell.text, &pairs[row]);
     }
     return pairs;
 }
@@ -148,20 +147,20 @@ static void parse(int argc, char **argv, dataset_args *a) {
 int cmd_dataset(int argc, char **argv) {
     dataset_args a = {.corpus = nqm_corpus_options_default(), .ranks = my_ranks()};
     nqm_directions *directions;
-    nqm_pair_list *list;
+    nqm_pairs *list;
     parse(argc, argv, &a);
     if (a.corpus.checkpoint)
         save_when_interrupted();
     must(nqm_directions_load_csv(input_path(a.directions), &directions, &fault));
-    must(nqm_pair_list_load(input_path(argv[0]), &list, &fault));
+    must(nqm_pairs_read(input_path(argv[0]), &list, &fault));
     a.corpus.root = list_root(a.corpus.root, argv[0]);
     nqm_corpus_pair *pairs = take_pairs(argv[0], list);
-    const nqm_status status = nqm_corpus_build(list->n_rows, pairs, directions, &a.corpus, a.output, &fault);
+    const nqm_status status = nqm_corpus_build(list->n, pairs, directions, &a.corpus, a.output, &fault);
     if (status == NQM_ERR_CANCELLED && a.corpus.checkpoint)
         stop(EXIT_INTERRUPTED, "stopped; the same command continues from %s", a.corpus.checkpoint);
     must(status);
     free(pairs);
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
     nqm_directions_free(directions);
     if (!a.corpus.work_only)
         print_summary(a.output, a.json);

@@ -5,6 +5,7 @@
  */
 #include "nqm/label/label.h"
 #include "nqm/rows.h"
+#include "pairs/pairs.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -253,7 +254,7 @@ static void print_text_test(const label_item *item) {
         return;
     }
     printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_adapted_jod(&item->label),
-           item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures", shown(item->shown));
+           item->label.delta_e > 0 ? nqm_verdict_words(item->jod) : "equal pictures", shown(item->shown));
     print_phrases(nqm_label_describe(&item->label, words));
     if (nqm_label_jod_error(&item->label) > 0.02)
         printf("%16s (standard error %.2f JOD; --points and --lights add samples)\n", "",

@@ -3,65 +3,13 @@
  * nqm nearest - the materials of a library that look most like one: those with the best estimates by pictures are
  * scored and ranked.
  */
-#include "nqm/library/library.h"
 #include "nqm/rows.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "nqm/score/score.h"
 
 static score_run run;
 static const char *model = "default", *among, *index_path;
 static bool is_apart;
 static uint64_t n_shown = 10;
-
-typedef struct scan_job {
-    const nqm_gallery *one; /* picture 0 is that of the material; the others are those of the library */
-    const library *among;
-    float *jod; /* (n) */
-} scan_job;
-
-enum { BLOCK = 1024 };
-
-static void scan(void *user, size_t block) {
-    const scan_job *job = user;
-    const size_t first = block * BLOCK, n = nqm_smaller(job->among->n - first, BLOCK);
-    nqm_gallery_jods(job->one, 0, job->among->gallery, first, n, is_apart, job->jod + first);
-}
-
-/* The numbers of the members, the best estimates first. free() them. */
-static size_t *find_candidates(const nqm_gallery *one, const library *of) {
-    scan_job job = {one, of, allocate(of->n, sizeof *job.jod)};
-    double *keys = allocate(of->n, sizeof *keys);
-    nqm_parallel_for(nqm_ceil_div(of->n, BLOCK), scan, &job);
-    for (size_t i = 0; i < of->n; ++i)
-        keys[i] = (double)job.jod[i];
-    size_t *candidates = order_by(of->n, keys, -1);
-    free(keys);
-    free(job.jod);
-    return candidates;
-}
-
-/* A score of textures takes a second: of candidates with one, twice as many are scored as are shown. Returns how many remain. */
-static size_t leave_textured(const member *self, const library *of, size_t *candidates, size_t n) {
-    size_t n_left = 0, n_textured = 0;
-    for (size_t i = 0; i < n; ++i) {
-        const bool is_textured = self->is_textured || of->members[candidates[i]].is_textured;
-        if (!is_textured || n_textured++ < 2 * (size_t)n_shown)
-            candidates[n_left++] = candidates[i];
-    }
-    return n_left;
-}
-
-static void score_candidates(const char *to, const library *of, const size_t *candidates, size_t n) {
-    begin_rows(&run, n);
-    run.near_only = true;
-    for (size_t i = 0; i < n; ++i) {
-        const char *argument = of->members[candidates[i]].argument;
-        run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
-    }
-    make_scores(&run);
-}
 
 static const option options[] = {
     {"among", 0, OPTION_NEEDED, &among, "WHERE", "folder, or file of several materials", 0, 0},
@@ -89,34 +37,16 @@ static const command cmd = {
 };
 
 int cmd_nearest(int argc, char **argv) {
-    enum { LEAST_SCORED = 128 };
-    library of = {.path = NULL}, one = {.path = NULL};
     run.options = plain_score_options();
     const int n = parse_arguments(&cmd, argc, argv);
-    refuse_model_name(argv[0]);
+    const char *to = argv[0];
+    refuse_model_name(to);
     run.model = open_model(model);
-    nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &fault));
-    const member self = member_of(argv[0]);
-    nqm_error err;
-    draw_member(&self, run.model, scorer, one.gallery, 0, &err);
-    if (err.status != NQM_OK)
-        stop_error(&err);
-    const char **where = (const char **)argv;
-    where[0] = among;
-    draw_library((size_t)n, where, run.model, scorer, index_path, &of);
-    nqm_scorer_free(scorer);
-    const size_t n_best = nqm_smaller(of.n, nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown));
-    size_t *candidates = find_candidates(one.gallery, &of);
-    score_candidates(self.argument, &of, candidates, leave_textured(&self, &of, candidates, n_best));
+    argv[0] = (char *)(uintptr_t)among;
+    nqm_library *of = open_library((size_t)n, (const char *const *)argv, &run, index_path);
+    find_near(of, &(nqm_library_query){.to = to, .n = (size_t)n_shown, .is_apart = is_apart}, &run);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);
-    const int exit_code = report_faults(&run);
-    free(candidates);
-    free_library(&one);
-    free_scores(&run);
-    const size_t n_failed = of.n_failed;
-    free_library(&of);
-    return exit_code == EXIT_OK && n_failed ? EXIT_PARTIAL : exit_code;
+    return conclude_near(of, &run);
 }

@@ -6,7 +6,6 @@
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
 
-#include "nqm/score/pair_list.h"
 #include "nqm/score/score.h"
 
 /* ---- results (batch_pieces.c): on failure, these report the error and exit --------------------------------------- */
@@ -14,7 +13,7 @@
 /** The results of a list in pieces of equal numbers of rows, each of which is a file of a folder: several processes make them
  *  together, and a later run with the same terms finds them again. */
 typedef struct batch_pieces {
-    const nqm_pair_list *list;
+    const nqm_pairs *list;
     nqm_scorer *scorer;
     const nqm_model *model; /* that of the scorer, for textures */
     bool near_only;         /* of textures */

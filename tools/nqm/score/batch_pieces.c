@@ -161,7 +161,7 @@ static size_t first_row(const batch_pieces *p, size_t piece) {
 }
 
 static size_t row_count(const batch_pieces *p, size_t piece) {
-    return nqm_smaller(p->size, p->list->n_rows - first_row(p, piece));
+    return nqm_smaller(p->size, p->list->n - first_row(p, piece));
 }
 
 static const char *piece_path(const batch_pieces *p, size_t piece, char path[MAX_PATH]) {
@@ -240,8 +240,9 @@ static bool load(batch_pieces *p, size_t piece) {
 
 /* The rows with a textured member. */
 static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair *pairs) {
-    const texture_terms terms = {.model = p->model, .near_only = p->near_only};
-    kept_texture ref = {.name = NULL};
+    const nqm_library_terms terms = {
+        .model = p->model, .near_only = p->near_only, .progress = show_progress, .report = report_part};
+    nqm_library_kept ref = {.name = NULL};
     nqm_texture_result *t = allocate(1, sizeof *t);
     for (size_t i = 0; i < n; ++i) {
         const bool is_needed = p->results[i].status != NQM_OK && has_texture(&pairs[i]);
@@ -255,7 +256,7 @@ static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair
 
 static nqm_status score_piece(batch_pieces *p, size_t piece, nqm_error *err) {
     const size_t n = row_count(p, piece);
-    const nqm_named_pair *pairs = p->list->pair + first_row(p, piece);
+    const nqm_named_pair *pairs = p->list->pairs + first_row(p, piece);
     p->current = p->n;
     json_decref(p->files);
     p->files = is_saved(p) ? identify_files(n, pairs) : NULL; /* before they are read */
@@ -322,7 +323,7 @@ static nqm_status make_piece(void *user, size_t piece, nqm_error *err) {
 
 static bool is_stopped(void *user) {
     const sharing *s = user;
-    return show_batch_progress(s->pieces, s->n_done * s->pieces->size, s->pieces->list->n_rows) || interrupted();
+    return show_batch_progress(s->pieces, s->n_done * s->pieces->size, s->pieces->list->n) || interrupted();
 }
 
 int share_batch_pieces(batch_pieces *p, ranks r) {
@@ -412,9 +413,9 @@ static void hash_terms(batch_pieces *p) {
 }
 
 void open_batch_pieces(batch_pieces *p, const json_t *terms, bool resume) {
-    const size_t n_blocks = nqm_ceil_div(p->list->n_rows, NQM_SCORE_BLOCK);
+    const size_t n_blocks = nqm_ceil_div(p->list->n, NQM_SCORE_BLOCK);
     p->size = NQM_SCORE_BLOCK * (p->folder ? nqm_larger(1, nqm_ceil_div(n_blocks, MAX_PIECES)) : 1);
-    p->n = p->current = nqm_ceil_div(p->list->n_rows, p->size);
+    p->n = p->current = nqm_ceil_div(p->list->n, p->size);
     p->results = allocate(p->size, sizeof *p->results);
     p->errors = allocate(p->size, sizeof *p->errors);
     p->textures = allocate(p->size, sizeof *p->textures);

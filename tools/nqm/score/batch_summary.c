@@ -84,12 +84,12 @@ static json_t *json_case(const void *user, size_t row) {
     const batch_note *note = &s->notes[row];
     const nqm_score_result r = noted_result(note);
     const bool is_error = !note->is_scored && !note->is_skipped;
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     return json_row("reference:s test:s remark:s jod:f jod_low:f jod_high:f delta_e:f novelty:f verdict:s mark:s "
                     "is_skipped:b is_error:b "
                     "is_scored:b is_failure:b",
                     note->pair->ref, note->name, note->remark ? note->remark : "", r.jod, r.jod_low, r.jod_high,
-                    r.delta_e, r.novelty, verdict_words(&r, verdict),
+                    r.delta_e, r.novelty, nqm_verdict(&r, verdict),
                     note->is_skipped    ? "skipped"
                     : is_error          ? "ERROR"
                     : has_gate(s->gate) ? gate_mark(s->gate, &r)

@@ -16,7 +16,7 @@ typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_form
 /* How rows are written. */
 typedef struct batch_form {
     batch_format format;
-    const nqm_pair_list *list;
+    const nqm_pairs *list;
     const nqm_model *model;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     bool has_textures;              /* columns of textures, too */
@@ -37,7 +37,7 @@ typedef struct batch_output {
 
 /* Set the columns; stop when one of the list has the name of a result column or of another one of the list. */
 static void set_batch_columns(batch_form *form) {
-    const char *const *names = form->list->column;
+    const char *const *names = form->list->columns;
     char *added;
     size_t n_added;
     form->columns = score_columns("", form->model, form->metrics, form->has_textures ? "" : NULL,
@@ -63,7 +63,7 @@ static void set_batch_columns(batch_form *form) {
 
 static json_t *row_json(const batch_form *form, size_t row, const nqm_score_result *r, const texture_numbers *texture,
                         const nqm_error *err) {
-    json_t *object = json_result(&form->terms, &form->list->pair[row], form->metrics, &form->gate, r, err);
+    json_t *object = json_result(&form->terms, &form->list->pairs[row], form->metrics, &form->gate, r, err);
     for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
         json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
     return object;
@@ -75,23 +75,19 @@ static json_t *row_json(const batch_form *form, size_t row, const nqm_score_resu
 static void print_csv_head(const batch_form *form, FILE *out) {
     for (size_t i = 0; i < form->list->n_columns; ++i) {
         fputs(i ? "," : "", out);
-        print_csv_text(out, form->list->column[i]);
+        print_csv_text(out, form->list->columns[i]);
     }
     print_csv_line(out, form->columns, NULL, NULL);
 }
 
 static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
-    const nqm_pair_list *list = form->list;
-    const size_t n_cells = nqm_pair_list_cells(list, row);
-    for (size_t column = 0; column < list->n_columns; ++column) {
+    const char *texts[NQM_LIST_MAX_COLUMNS] = {NULL};
+    nqm_pairs_cell cell;
+    for (size_t i = 0; nqm_pairs_get_cell(form->list, row, i, &cell); ++i)
+        texts[cell.column] = cell.text;
+    for (size_t column = 0; column < form->list->n_columns; ++column) {
         fputs(column ? "," : "", out);
-        for (size_t i = list->csv ? column : 0; i < n_cells; ++i) { /* a row of a CSV has all columns */
-            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-            if (cell.column != column)
-                continue;
-            print_csv_text(out, cell.text);
-            break;
-        }
+        print_csv_text(out, texts[column] ? texts[column] : "");
     }
 }
 
@@ -104,11 +100,9 @@ static void print_json_value(FILE *out, json_t *value) {
 }
 
 static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
-    const nqm_pair_list *list = form->list;
-    const size_t n_cells = nqm_pair_list_cells(list, row);
-    for (size_t i = 0; i < n_cells; ++i) {
-        const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-        print_json_value(out, json_name(list->column[cell.column]));
+    nqm_pairs_cell cell;
+    for (size_t i = 0; nqm_pairs_get_cell(form->list, row, i, &cell); ++i) {
+        print_json_value(out, json_name(form->list->columns[cell.column]));
         fputc(':', out);
         if (cell.is_json)
             fputs(cell.text, out);
@@ -168,7 +162,7 @@ static _Noreturn void stop_write(const batch_output *out) {
 
 /* Open, and print the text before the rows. path: absolute, or "-". */
 static void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out) {
-    *out = (batch_output){.notes = allocate(form->list->n_rows, sizeof *out->notes)};
+    *out = (batch_output){.notes = allocate(form->list->n, sizeof *out->notes)};
     open_output(path, &out->file);
     out->rows = is_sorted ? tmpfile() : out->file.stream;
     if (!out->rows)
@@ -188,8 +182,8 @@ static bool write_batch_row(batch_output *out, const batch_form *form, const bat
     const size_t row = out->n_rows;
     const bool is_sorted = out->rows != out->file.stream;
     batch_note *note = &out->notes[row];
-    const nqm_named_pair *pair = &form->list->pair[row];
-    const char *name = form->list->expanded[row].name;
+    const nqm_named_pair *pair = &form->list->pairs[row];
+    const char *name = form->list->names[row];
     *note = make_batch_note(&form->terms, pair, name ? name : pair->test, &pieces->results[at], &pieces->errors[at]);
     const bool is_failed = !note->is_scored && !note->is_skipped;
     if (is_failed && !keep_going) {
@@ -244,9 +238,7 @@ static void close_batch_output(batch_output *out, const batch_form *form, size_t
 typedef struct batch_run {
     nqm_score_options options;
     batch_form form;
-    nqm_pair_list *given; /* the list as it is in the file */
-    expanded_list expanded;
-    const nqm_pair_list *list; /* the one or the other */
+    nqm_pairs *given, *list; /* as it is in the file; expanded */
     nqm_scorer *scorer;
     batch_pieces pieces;
     batch_output out;
@@ -283,7 +275,7 @@ static json_t *score_terms(const batch_run *run) {
     char *folder = realpath(".", NULL);
     json_t *terms = json_row("version of nqm:s list:s number of materials in its files:z model:s --root:s --invalid:s "
                              "--min-valid:f --metrics:s --ignore:s --textures:b",
-                             nqm_version(), run->list->sha256, run->list->n_rows, info.sha256, folder ? folder : "",
+                             nqm_version(), run->list->sha256, run->list->n, info.sha256, folder ? folder : "",
                              nqm_invalid_words[run->options.invalid], run->options.min_valid_fraction,
                              run->options.metrics ? "any" : "none", ignored_words ? ignored_words : "",
                              (int)run->form.has_textures);
@@ -294,7 +286,7 @@ static json_t *score_terms(const batch_run *run) {
 static int score_rows(batch_run *run) {
     batch_output *out = &run->out;
     for (size_t piece = 0, n; piece < run->pieces.n; ++piece) {
-        if (show_batch_progress(&run->pieces, out->n_rows, run->list->n_rows) || interrupted())
+        if (show_batch_progress(&run->pieces, out->n_rows, run->list->n) || interrupted())
             return EXIT_INTERRUPTED;
         const int exit_code = get_batch_piece(&run->pieces, piece, &n);
         if (exit_code != EXIT_OK)
@@ -317,7 +309,7 @@ static void give_up_file(const batch_run *run, int exit_code) {
     const size_t n_kept = run->out.n_rows / run->pieces.size * run->pieces.size; /* rows of complete pieces */
     abandon_outputs();
     if (n_kept)
-        report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", n_kept, run->list->n_rows,
+        report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", n_kept, run->list->n,
                run->pieces.folder);
 }
 
@@ -344,11 +336,11 @@ static int settle(batch_run *run, int exit_code) {
     if (!run->is_complete)
         return exit_code;
     if (run->out.n_failed)
-        exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", run->out.n_failed, run->list->n_rows);
+        exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", run->out.n_failed, run->list->n);
     if (summary.n_skipped)
         report(EXIT_OK, "%zu of %zu rows are skipped: both materials are refused alike", summary.n_skipped,
-               run->list->n_rows);
-    return report_gate(&run->form.gate, summary.n_gated, run->list->n_rows, exit_code);
+               run->list->n);
+    return report_gate(&run->form.gate, summary.n_gated, run->list->n, exit_code);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
@@ -376,14 +368,13 @@ static void check_usage(const batch_arguments *a, ranks r) {
 static void open_inputs(batch_run *run, const batch_arguments *a) {
     nqm_model *model = open_model(a->model);
     check_gate(&run->form.gate, model);
-    must(nqm_pair_list_load(a->list, &run->given, &fault));
-    run->list = run->given;
+    must(nqm_pairs_read(a->list, &run->given, &fault));
     run->scorer = open_scorer(model, &run->options);
     const char *stream = stream_name(a->list, &(size_t){0});
     run->list_name = *stream ? stream : a->list;
-    run->form.list = run->list;
+    run->form.list = run->given;
     run->form.model = model;
-    run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
+    run->form.terms = (remark_terms){model, run->options.invalid};
     set_batch_columns(&run->form);
 }
 
@@ -394,15 +385,6 @@ static void enter_root(batch_run *run, const batch_arguments *a) {
     run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
     run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
     enter_list_root(a->root, a->list);
-}
-
-/* Before the outputs are opened, which may hold rows of an earlier run: a list with faulty names is refused, and files of several
- * materials become rows. Returns the names to free. */
-static const char **expand_rows(batch_run *run) {
-    const char **names = take_list_names(run->given, run->list_name); /* a file may have the form NAME=BRDF */
-    expand_list(run->given, names, &run->expanded);
-    run->list = run->form.list = &run->expanded.list;
-    return names;
 }
 
 /* Ranks above 0 have no outputs. */
@@ -487,7 +469,8 @@ int cmd_batch(int argc, char **argv) {
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
     enter_root(&run, &a);
-    const char **names = expand_rows(&run);
+    run.form.list = run.list =
+        expand_pairs(run.given); /* before the outputs are opened, which may hold rows of an earlier run */
     open_outputs(&run, a.resume, r);
     save_when_interrupted();
     int exit_code = run.pieces.is_shared ? share_batch_pieces(&run.pieces, r) : EXIT_OK;
@@ -495,10 +478,9 @@ int cmd_batch(int argc, char **argv) {
         exit_code = settle(&run, exit_code == EXIT_OK ? score_rows(&run) : exit_code);
     close_batch_pieces(&run.pieces, run.is_complete);
     nqm_scorer_free(run.scorer);
-    free_expanded_list(&run.expanded);
-    nqm_pair_list_free(run.given);
+    nqm_pairs_free(run.list);
+    nqm_pairs_free(run.given);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
-    free(names);
     free(run.form.columns);
     free(run.path);
     free(run.junit);

@@ -2,7 +2,6 @@
  *
  * nqm rank - sorts approximations by their JOD.
  */
-#include "nqm/score/pair_list.h"
 #include "nqm/score/score.h"
 
 #include <math.h>
@@ -166,7 +165,7 @@ static const command cmd = {
 
 int cmd_rank(int argc, char **argv) {
     const char **names = NULL;
-    nqm_pair_list *list = NULL;
+    nqm_pairs *list = NULL;
     run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
@@ -179,11 +178,9 @@ int cmd_rank(int argc, char **argv) {
     run.model = open_model(model);
     if (list_path) {
         list_path = input_path(list_path);
-        must(nqm_pair_list_load(list_path, &list, &fault));
+        must(nqm_pairs_read(list_path, &list, &fault));
         enter_list_root(root, list_path);
-        const char *stream = stream_name(list_path, &(size_t){0});
-        names = take_list_names(list, *stream ? stream : list_path);
-        set_list_pairs(&run, list, names);
+        set_list_pairs(&run, list);
     } else {
         names = take_names(n_arguments, argv);
         set_pairs(&run, n_arguments, argv, names);
@@ -199,7 +196,7 @@ int cmd_rank(int argc, char **argv) {
         print_remarks(&run);
     const int exit_code = report_faults(&run);
     free_scores(&run);
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
     free(names);
     return exit_code;
 }

@@ -18,10 +18,10 @@ static int metric_width(int m) {
 static void print_row(const score_run *run, const scored_pair *row, bool calibrated, int n_verdict) {
     const nqm_score_result *r = &row->result;
     const bool scored = row->err.status == NQM_OK;
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     print_jod(row, calibrated);
     if (scored)
-        printf("  %8.0f %%  %-*s", 100 * preference_share(r), n_verdict, verdict_words(r, verdict));
+        printf("  %8.0f %%  %-*s", 100 * nqm_verdict_preference(r), n_verdict, nqm_verdict(r, verdict));
     else
         printf("  %10s  %-*s", "-", n_verdict, "no score");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
@@ -50,12 +50,12 @@ static void print_row(const score_run *run, const scored_pair *row, bool calibra
 static void print_text(const score_run *run) {
     const nqm_model_info info = nqm_model_get_info(run->model);
     const bool calibrated = *info.calibration;
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     size_t n_scored = 0;
     bool has_similarity = false;
     int n_verdict = 20;
     for (size_t i = 0; i < run->n_rows; ++i) {
-        int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
+        int n = (int)strlen(nqm_verdict(&run->rows[i].result, verdict));
         n_verdict = n > n_verdict ? n : n_verdict;
     }
     printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", shown(run->ref_name), shown(info.id),

@@ -5,10 +5,10 @@
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
 
+#include "library/library.h"
 #include "metric/metric.h"
-#include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
-#include <nqm/texture.h>
+#include "pairs/pairs.h"
 
 /** The lowest JOD, and the lowest lower end of its 95 % interval, that pass; 0: any. */
 typedef struct score_gate {
@@ -27,12 +27,12 @@ typedef struct scored_pair {
     nqm_named_pair pair;
     const char *name; /* printed name of the test */
     nqm_score_result result;
-    nqm_error err;                  /* status NQM_OK: scored */
-    nqm_texture_result *texture;    /* of a pair with a textured material; NULL: of two BRDFs */
-    float *heat;                    /* (height, width) Delta-E of the texels, with keep_heat; owned */
-    double heat_max;                /* upper end of the colours of its picture; NaN: there is none */
-    size_t order;                   /* index in the arguments */
-    nqm_brdf_difference difference; /* set by compare_rows() */
+    nqm_error err;                     /* status NQM_OK: scored */
+    const nqm_texture_result *texture; /* of a pair with a textured material; NULL: of two BRDFs */
+    float *heat;                       /* (height, width) Delta-E of the texels, with keep_heat; owned */
+    double heat_max;                   /* upper end of the colours of its picture; NaN: there is none */
+    size_t order;                      /* index in the arguments */
+    nqm_brdf_difference difference;    /* set by compare_rows() */
     /* set by rank_rows(): */
     double quality;        /* sort key: the JOD or the similarity */
     size_t group;          /* index of the first pair with the same reference */
@@ -43,7 +43,7 @@ typedef struct scored_pair {
 
 /** Settings that remarks refer to. */
 typedef struct remark_terms {
-    size_t n_directions;
+    const nqm_model *model;
     nqm_invalid_policy invalid;
 } remark_terms;
 
@@ -61,21 +61,20 @@ typedef struct score_run {
     double worst;    /* gate of the worst 5 % of texels, JOD; 0: none */
     size_t n_rows;
     scored_pair *rows;               /* (n_rows) */
-    expansion expansion;             /* the texts of the rows */
+    nqm_pairs *pairs;                /* the texts of the rows; NULL: others have them */
     const char *ref_path, *ref_name; /* the argument; the name to print */
     remark_terms terms;              /* set by make_scores() */
 } score_run;
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others, expanded (pair_list.h). names: (n_arguments) to print, NULL
+/** Rows for the pairs of arguments[0] with each of the others, expanded. names: (n_arguments) to print, NULL
  *  where the argument itself is to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
-/** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */
-void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names);
-/** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
- *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
-const char **take_list_names(nqm_pair_list *list, const char *list_name);
+/** The same for given pairs. */
+void set_list_pairs(score_run *run, const nqm_pairs *list);
+/** nqm_pairs_expand(), with --ignore; materials without a partner are reported. */
+nqm_pairs *expand_pairs(const nqm_pairs *pairs);
 /** Free with nqm_scorer_free(). */
 nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options);
 /** The defaults without scalar metrics. */
@@ -109,12 +108,6 @@ char *score_columns(const char *first, const nqm_model *model, const bool *metri
                     const char *last);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
-/** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
-double preference_share(const nqm_score_result *result);
-enum { VERDICT_TEXT = 64 };
-/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
- *  "" without a score. Returns text or a static string. */
-const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** What `nqm score` and `nqm batch` say of a pair: scores, metrics, parts, gate, remarks, and the error of one without a score. */
 json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *metrics, const score_gate *gate,
                     const nqm_score_result *result, const nqm_error *err);
@@ -151,26 +144,11 @@ int apply_gate(const score_run *run, int exit_code);
 
 /* ---- textured materials (textures.c) ----------------------------------------------------------------------------- */
 
-/** How textures are scored. */
-typedef struct texture_terms {
-    const nqm_model *model;
-    bool exact; /* all texels */
-    bool keep_heat, near_only;
-    size_t texels_per_pixel; /* 0: 1 */
-} texture_terms;
-/** A texture that stays open for further pairs; zeroed: none. Its name lives as long. */
-typedef struct kept_texture {
-    const char *name;
-    nqm_texture *texture;
-} kept_texture;
-/** The result of a pair of textures as that of a pair of BRDFs. */
-nqm_score_result result_of_textures(const nqm_texture_result *t);
 /** Whether a member of a pair that has no score as one of BRDFs is a textured material. */
 bool has_texture(const nqm_named_pair *pair);
-/** Score such a pair; err->status is that of the result. heat: receives the Delta-E of the texels if the terms want it; free() it.
- *  Ctrl-C ends the run. */
-void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
-                   nqm_score_result *result, float **heat, nqm_error *err);
+/** Score such a pair; err->status is that of the result. heat: as of nqm_library_score_texture(). Ctrl-C ends the run. */
+void score_texture(const nqm_library_terms *terms, const nqm_named_pair *pair, nqm_library_kept *ref,
+                   nqm_texture_result *t, nqm_score_result *result, float **heat, nqm_error *err);
 /** Write the map of Delta-E as a picture, or as OpenEXR; returns the upper end of its colours (NaN: OpenEXR has none). */
 double write_heat(const char *path, const nqm_texture_result *t, const float *heat);
 /** The same for the rows of make_scores(). */
@@ -196,6 +174,17 @@ void compare_rows(score_run *run);
 void print_exact(const score_run *run, const scored_pair *row);
 /** Say how many pairs are not equal; whether there are any. */
 bool report_unequal(const score_run *run);
+
+/* ---- libraries (library/open.c) ---------------------------------------------------------------------------------- */
+
+/** Open n files and folders as nqm_library_open(), with the model and options of a run; NULL: they are only listed. */
+nqm_library *open_library(size_t n, const char *const *where, const score_run *run, const char *index);
+/** Rows for pairs of a library, which has their texts and textures; tests: has the tests. */
+void set_library_rows(score_run *run, size_t n, const nqm_library_pair *pairs, const nqm_library *tests);
+/** The same for the pairs of nqm_library_near(). */
+void find_near(nqm_library *library, const nqm_library_query *query, score_run *run);
+/** Report faults, and free the library, the rows and the model. Returns the exit code. */
+int conclude_near(nqm_library *library, score_run *run);
 
 /* ---- sorting (cmd_rank.c) ---------------------------------------------------------------------------------------- */
 

@@ -9,18 +9,27 @@
 #include "nqm/score/score.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-static void take_expansion(score_run *run) {
-    run->n_rows = run->expansion.n;
+nqm_pairs *expand_pairs(const nqm_pairs *pairs) {
+    nqm_pairs *expanded;
+    must(nqm_pairs_expand(pairs, ignored_words, &expanded, &fault));
+    for (const char *text = expanded->left_out; *text; text += strlen(text) + 1)
+        report(EXIT_OK, "%s", text);
+    return expanded;
+}
+
+void set_list_pairs(score_run *run, const nqm_pairs *pairs) {
+    run->pairs = expand_pairs(pairs);
+    run->n_rows = run->pairs->n;
     run->rows = allocate(run->n_rows, sizeof *run->rows);
     for (size_t i = 0; i < run->n_rows; ++i) {
-        const expanded_pair *p = &run->expansion.pairs[i];
-        run->rows[i] = (scored_pair){.pair = p->pair, .name = p->name ? p->name : p->pair.test};
+        const nqm_named_pair *pair = &run->pairs->pairs[i];
+        const char *name = run->pairs->names[i];
+        run->rows[i] = (scored_pair){.pair = *pair, .name = name ? name : pair->test};
     }
 }
 
@@ -31,49 +40,8 @@ void set_pairs(score_run *run, int n_arguments, char **arguments, const char *co
         given[i] = (nqm_named_pair){arguments[0], arguments[i + 1]};
     run->ref_path = arguments[0];
     run->ref_name = names && names[0] ? names[0] : arguments[0];
-    expand_pairs(n, given, names ? names + 1 : NULL, &run->expansion);
-    take_expansion(run);
+    set_list_pairs(run, &(nqm_pairs){.n = n, .pairs = given, .names = names ? names + 1 : NULL});
     free(given);
-}
-
-void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names) {
-    expand_pairs(list->n_rows, list->pair, names, &run->expansion);
-    take_expansion(run);
-}
-
-static void check_list_names(const nqm_pair_list *list, const char *const *names, const char *list_name) {
-    named_brdf *given = allocate(list->n_rows, sizeof *given);
-    size_t n = 0;
-    for (size_t row = 0; row < list->n_rows; ++row)
-        if (names[row])
-            given[n++] = (named_brdf){.row = row + 1, .reference = list->pair[row].ref, .name = names[row]};
-    check_names(n, given, list_name);
-    free(given);
-}
-
-const char **take_list_names(nqm_pair_list *list, const char *list_name) {
-    size_t n_text = 0;
-    for (size_t row = 0; row < list->n_rows; ++row)
-        n_text += name_length(list->pair[row].test) + 1;
-    const char **names = allocate(list->n_rows * sizeof *names + n_text, 1);
-    char *text = (char *)(names + list->n_rows);
-    for (size_t row = 0; row < list->n_rows; ++row) {
-        const char **test = &list->pair[row].test;
-        const size_t n = name_length(*test);
-        if (n) {
-            memcpy(text, *test, n);
-            names[row] = text;
-            text += n + 1;
-            *test += n + 1;
-        }
-        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
-            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-            if (strcmp(list->column[cell.column], "name") == 0 && !cell.is_json && *cell.text)
-                names[row] = cell.text;
-        }
-    }
-    check_list_names(list, names, list_name);
-    return names;
 }
 
 nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options) {
@@ -91,8 +59,7 @@ nqm_score_options plain_score_options(void) {
 /* Score in blocks, so that Ctrl-C is noticed between them. */
 void make_scores(score_run *run) {
     nqm_scorer *scorer = open_scorer(run->model, &run->options);
-    run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
-    run->terms.invalid = run->options.invalid;
+    run->terms = (remark_terms){run->model, run->options.invalid};
     for (size_t begin = 0, n; begin < run->n_rows; begin += n) {
         nqm_named_pair pairs[NQM_SCORE_BLOCK];
         nqm_score_result results[NQM_SCORE_BLOCK];
@@ -115,11 +82,11 @@ void make_scores(score_run *run) {
 
 void free_scores(score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
-        free(run->rows[i].texture);
-        free(run->rows[i].heat);
+        free((nqm_texture_result *)(uintptr_t)run->rows[i].texture);
+        nqm_free(run->rows[i].heat);
     }
     free(run->rows);
-    free_expansion(&run->expansion);
+    nqm_pairs_free(run->pairs);
     nqm_model_free(run->model);
 }
 
@@ -135,70 +102,13 @@ int report_faults(const score_run *run) {
 
 /* ---- remarks ----------------------------------------------------------------------------------------------------- */
 
-__attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, const char *format, ...) {
-    char text[600];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    json_array_append_new(remarks, json_string(text));
-}
-
-/* The numbers of directions at which one BRDF (k: 0 reference, 1 test) gives cause for a remark. */
-static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, const nqm_score_result *r,
-                       size_t k) {
-    static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (r->n_clamped[k])
-        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, r->n_clamped[k],
-                   terms->n_directions);
-    if (r->n_invalid[k])
-        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, r->n_invalid[k], terms->n_directions,
-                   remedy[terms->invalid]);
-    if (r->n_unusual[k])
-        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who,
-                   r->n_unusual[k], terms->n_directions);
-}
-
-/* Faults of files that a low score shows. */
-static void add_suspicions(json_t *remarks, const char *test, const nqm_score_result *r) {
-    if (r->suspect_scale > 0 && fabs(log(r->suspect_scale)) < 2)
-        add_remark(remarks, "%s: its reference %s pi at nearly all directions: a Lambertian f_r is its albedo / pi",
-                   test, r->suspect_scale > 1 ? "times" : "divided by");
-    else if (r->suspect_scale > 0)
-        add_remark(
-            remarks,
-            "%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, "
-            "1304 and 904 in MERL files, 255 in values of 8 bits",
-            test, r->suspect_scale);
-    if (r->suspect_cosine != 0)
-        add_remark(remarks, "%s: about its reference %s the cosine of light or viewer: f_r is without a cosine", test,
-                   r->suspect_cosine > 0 ? "times" : "divided by");
-}
-
 json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, const char *ref, const char *test,
                      const nqm_score_result *r) {
+    char text[NQM_REMARKS_TEXT];
     json_t *remarks = json_array();
-    char distance[400], ignored[200];
-    if (ref && describe_distance(ref, r->distance_deg, sizeof distance, distance))
-        add_remark(remarks, "%s", distance);
-    if (ref && *r->remark[0])
-        add_remark(remarks, "%s: %s", ref, r->remark[0]);
-    if (*r->remark[1])
-        add_remark(remarks, "%s: %s", test, r->remark[1]);
-    if (r->status != NQM_OK)
-        return remarks;
-    if (ref && describe_ignored(pair->ref, ignored, sizeof ignored))
-        add_remark(remarks, "%s: %s", ref, ignored);
-    if (describe_ignored(pair->test, ignored, sizeof ignored))
-        add_remark(remarks, "%s: %s", test, ignored);
-    if (ref)
-        add_counts(remarks, terms, ref, r, 0);
-    add_counts(remarks, terms, test, r, 1);
-    if (r->novelty > 1 && r->jod_high - r->jod_low > 0.1) /* false for NaN */
-        add_remark(remarks,
-                   "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1",
-                   test, r->novelty);
-    add_suspicions(remarks, test, r);
+    nqm_pairs_remarks(terms->model, terms->invalid, pair, ref, test, r, text);
+    for (const char *at = text; *at; at += strlen(at) + 1)
+        json_array_append_new(remarks, json_name(at));
     return remarks;
 }
 
@@ -356,34 +266,6 @@ void print_jod(const scored_pair *row, bool calibrated) {
         printf("  %-14s", interval);
 }
 
-double preference_share(const nqm_score_result *result) {
-    return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
-}
-
-const char *jod_words(double jod) {
-    if (jod >= 9.5)
-        return "practically the same";
-    if (jod >= 9)
-        return "hardly visible";
-    if (jod >= 8)
-        return "visible";
-    return jod >= 6 ? "clearly visible" : "very different";
-}
-
-const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]) {
-    if (result->status != NQM_OK)
-        return "";
-    if (result->identical)
-        return "identical";
-    if (isnan(result->jod_low))
-        return jod_words(result->jod);
-    const char *best = jod_words(result->jod_high), *worst = jod_words(result->jod_low);
-    if (best == worst)
-        return best;
-    snprintf(text, VERDICT_TEXT, "between %s and %s", best, worst);
-    return text;
-}
-
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
 void compare_rows(score_run *run) {
@@ -494,7 +376,7 @@ static void set_members(json_t *object, const nqm_score_result *r, bool reals) {
 
 json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *chosen, const score_gate *gate,
                     const nqm_score_result *r, const nqm_error *err) {
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     const bool is_scored = r->status == NQM_OK;
     json_t *object = json_object(), *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
@@ -502,7 +384,7 @@ json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
     set_members(object, r, true);
     set_members(object, r, false);
-    return json_set(object, "verdict:s metrics:o parts:o gate:o warnings:o error:o", verdict_words(r, verdict), metrics,
+    return json_set(object, "verdict:s metrics:o parts:o gate:o warnings:o error:o", nqm_verdict(r, verdict), metrics,
                     isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
                     has_gate(gate) && is_scored ? json_string(gate_mark(gate, r)) : NULL,
                     json_remarks(terms, pair, "reference", "test", r), is_scored ? NULL : json_name(err->message));

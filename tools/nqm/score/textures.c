@@ -63,61 +63,13 @@ double write_heat(const char *path, const nqm_texture_result *r, const float *de
     return end;
 }
 
-nqm_score_result result_of_textures(const nqm_texture_result *t) {
-    nqm_score_result r = {.jod = t->jod,
-                          .delta_e = t->delta_e,
-                          .jod_low = t->jod_low,
-                          .jod_high = t->jod_high,
-                          .novelty = NAN,
-                          .parts = t->parts,
-                          .similarity = {NAN, NAN, NAN},
-                          .identical = t->n_different > 0 && t->delta_e == 0 && t->n_blame == 0};
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        r.metrics[m] = NAN;
-    return r;
-}
-
-/* Open unless it is. */
-static nqm_status open_once(kept_texture *at, const char *name, nqm_error *err) {
-    if (at->name && strcmp(at->name, name) == 0)
-        return NQM_OK;
-    nqm_texture_free(at->texture);
-    *at = (kept_texture){.name = NULL};
-    const nqm_status status = open_texture(name, &at->texture, err);
-    if (status == NQM_OK)
-        at->name = name;
-    return status;
-}
-
-static nqm_status compare(const texture_terms *terms, const nqm_texture *ref, const nqm_texture *test,
-                          nqm_texture_result *t, float **heat, nqm_error *err) {
-    nqm_texture_options options = nqm_texture_options_default();
-    const nqm_texture_info size = nqm_texture_get_info(ref, test);
-    options.exact = terms->exact;
-    options.far = options.blame = !terms->near_only;
-    options.texels_per_pixel = nqm_larger(terms->texels_per_pixel, 1);
-    options.progress = show_progress;
-    if (terms->keep_heat)
-        *heat = allocate(size.width * size.height, sizeof **heat);
-    return nqm_texture_score(terms->model, ref, test, &options, t, terms->keep_heat ? *heat : NULL, err);
-}
-
-void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
-                   nqm_score_result *result, float **heat, nqm_error *err) {
-    kept_texture test = {.name = NULL};
+void score_texture(const nqm_library_terms *terms, const nqm_named_pair *pair, nqm_library_kept *ref,
+                   nqm_texture_result *t, nqm_score_result *result, float **heat, nqm_error *err) {
     *err = (nqm_error){0};
-    nqm_status status = open_once(ref, pair->ref, err);
-    if (status == NQM_OK)
-        status = open_once(&test, pair->test, err);
-    if (status == NQM_OK)
-        status = compare(terms, ref->texture, test.texture, t, heat, err);
+    err->status = nqm_library_score_texture(terms, pair, ref, t, result, heat, err);
     end_progress();
-    nqm_texture_free(test.texture);
-    if (status == NQM_ERR_CANCELLED)
+    if (err->status == NQM_ERR_CANCELLED)
         stop(EXIT_INTERRUPTED, "interrupted");
-    if (status == NQM_OK)
-        *result = result_of_textures(t);
-    result->status = err->status = status;
 }
 
 bool has_texture(const nqm_named_pair *pair) {
@@ -125,9 +77,15 @@ bool has_texture(const nqm_named_pair *pair) {
 }
 
 void score_textures(score_run *run) {
-    kept_texture ref = {.name = NULL};
-    const texture_terms terms = {run->model, run->exact, run->map || run->keep_heat, run->near_only,
-                                 (size_t)run->texels_per_pixel};
+    nqm_library_kept ref = {.name = NULL};
+    const nqm_library_terms terms = {run->model,
+                                     run->exact,
+                                     run->map || run->keep_heat,
+                                     run->near_only,
+                                     (size_t)run->texels_per_pixel,
+                                     show_progress,
+                                     report_part,
+                                     NULL};
     for (size_t i = 0; i < run->n_rows; ++i) {
         scored_pair *row = &run->rows[i];
         if (row->err.status == NQM_OK || !has_texture(&row->pair))

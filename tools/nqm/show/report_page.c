@@ -117,8 +117,8 @@ static json_t *json_test(const report_page *page, size_t place) {
     json_t *test = json_deep_copy(result_at(page->run->json_scores, row->order));
     return json_set(test, "place:z rank:z name:s interval:o people:f seen:O preferred:o adapted:f", place + 1,
                     row->rank, page->run->names[row->order + 1],
-                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL, preference_share(r),
-                    result_at(page->json_labels, row->order),
+                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL,
+                    nqm_verdict_preference(r), result_at(page->json_labels, row->order),
                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : NULL,
                     nqm_label_adapted_jod(&r->parts));
 }
@@ -126,12 +126,12 @@ static json_t *json_test(const report_page *page, size_t place) {
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
 
 static json_t *json_guide(void) {
-    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of jod_words() */
+    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of nqm_verdict_words() */
     json_t *list = json_array();
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i) {
         const double from = ends[i], to = ends[i - 1];
         json_t *range = from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to);
-        json_array_append_new(list, json_row("range:o words:s least:f most:f", range, jod_words(from),
+        json_array_append_new(list, json_row("range:o words:s least:f most:f", range, nqm_verdict_words(from),
                                              from > 0 ? nqm_jod_preference(10, to) : (double)NAN,
                                              nqm_jod_preference(10, from)));
     }
@@ -395,7 +395,7 @@ static json_t *json_page(const report_page *page) {
                     hash, script, nqm_version(), json_title(page), rows, n, n > 1 && n <= MAX_COMPARED,
                     *info.calibration != 0, json_guide(), json_materials(page), run->names[0],
                     number_text(end / 2, 3, 'g'), number_text(end, 3, 'g'), info.id, info.sha256, info.recipe,
-                    nqm_directions_id(info.directions), info.n_parameters, run->scores.terms.n_directions,
+                    nqm_directions_id(info.directions), info.n_parameters, nqm_directions_count(info.directions),
                     remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
                     json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
                     html_json(json_incref(run->json_scores), 9), html_json(json_incref(page->json_labels), 9),

@@ -2,13 +2,13 @@
  *
  * Loads shared libraries.
  */
-#include "base/library.h"
+#include "base/dynamic.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
 #include <string.h>
 
-static bool load(const nqm_library *library) {
+static bool load(const nqm_dynamic *library) {
     void *handle = dlopen(library->soname, RTLD_NOW | RTLD_LOCAL);
     bool found = handle != NULL;
     for (size_t i = 0; i < library->n && found; ++i) {
@@ -22,7 +22,7 @@ static bool load(const nqm_library *library) {
 
 static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER; /* locked while any library is being loaded */
 
-bool nqm_library_get(nqm_library *library) {
+bool nqm_dynamic_get(nqm_dynamic *library) {
     pthread_mutex_lock(&loading);
     if (!library->tried)
         library->loaded = load(library);

@@ -2,42 +2,41 @@
  *
  * Lists of pairs: both formats, further columns and their types, order, errors with their positions, lack of memory.
  */
-#include "nqm/score/pair_list.h"
+#include "pairs/pairs.h"
 #include "support/allocations.h"
 #include "support/check.h"
 
-static nqm_pair_list *parse(const char *text) {
-    nqm_pair_list *list;
+static nqm_pairs *parse(const char *text) {
+    nqm_pairs *list;
     nqm_error err = {0};
-    if (nqm_pair_list_parse(text, strlen(text), "list", &list, &err) != NQM_OK)
+    if (nqm_pairs_parse(text, strlen(text), "list", &list, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return list;
 }
 
 static void assert_fault(const char *text, nqm_status status, const char *message) {
-    nqm_pair_list *list;
+    nqm_pairs *list;
     nqm_error err = {0};
-    assert_int_equal(nqm_pair_list_parse(text, strlen(text), "list", &list, &err), status);
+    assert_int_equal(nqm_pairs_parse(text, strlen(text), "list", &list, &err), status);
     assert_null(list);
     if (!strstr(err.message, message))
         fail_msg("'%s' lacks '%s'", err.message, message);
 }
 
-static void assert_cell(const nqm_pair_list *list, size_t row, size_t i, size_t column, const char *text, int is_json) {
-    assert_true(i < nqm_pair_list_cells(list, row));
-    const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+static void assert_cell(const nqm_pairs *list, size_t row, size_t i, size_t column, const char *text, int is_json) {
+    nqm_pairs_cell cell;
+    assert_true(nqm_pairs_get_cell(list, row, i, &cell));
     assert_int_equal(cell.column, column);
     assert_string_equal(cell.text, text);
     assert_int_equal(cell.is_json, is_json);
 }
 
 TEST(test_csv) {
-    nqm_pair_list *list =
-        parse("\xef\xbb\xbfnote,Test,REFERENCE\r\n\"a, \"\"b\"\"\",t.binary,r\n,\"caf\xc3\xa9,1\",s\n");
-    assert_int_equal(list->n_rows, 2);
+    nqm_pairs *list = parse("\xef\xbb\xbfnote,Test,REFERENCE\r\n\"a, \"\"b\"\"\",t.binary,r\n,\"caf\xc3\xa9,1\",s\n");
+    assert_int_equal(list->n, 2);
     assert_int_equal(list->n_columns, 3);
-    assert_string_equal(list->column[1], "Test");
-    const nqm_named_pair *pairs = list->pair;
+    assert_string_equal(list->columns[1], "Test");
+    const nqm_named_pair *pairs = list->pairs;
     assert_string_equal(pairs[0].ref, "r");
     assert_string_equal(pairs[0].test, "t.binary");
     assert_string_equal(pairs[1].ref, "s");
@@ -45,33 +44,33 @@ TEST(test_csv) {
     assert_cell(list, 0, 0, 0, "a, \"b\"", 0);
     assert_cell(list, 1, 0, 0, "", 0);
     assert_cell(list, 1, 2, 2, "s", 0);
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
     list = parse("reference,test\n");
-    assert_int_equal(list->n_rows, 0);
-    nqm_pair_list_free(list);
+    assert_int_equal(list->n, 0);
+    nqm_pairs_free(list);
 }
 
 TEST(test_json_lines) {
-    nqm_pair_list *list = parse(" \n{\"test\":\"t\",\"reference\":\"r\",\"score\":8.1,\"n\":12,\"tags\":[1,\"b\"]}\n\n"
-                                "{\"reference\":\"caf\\u00e9\",\"test\":\"u\",\"extra\":null,\"score\":\"8\"}");
-    assert_int_equal(list->n_rows, 2);
+    nqm_pairs *list = parse(" \n{\"test\":\"t\",\"reference\":\"r\",\"score\":8.1,\"n\":12,\"tags\":[1,\"b\"]}\n\n"
+                            "{\"reference\":\"caf\\u00e9\",\"test\":\"u\",\"extra\":null,\"score\":\"8\"}");
+    assert_int_equal(list->n, 2);
     assert_int_equal(list->n_columns, 6);
-    assert_string_equal(list->column[0], "test");
-    assert_string_equal(list->column[5], "extra");
-    assert_string_equal(list->pair[1].ref, "caf\xc3\xa9");
+    assert_string_equal(list->columns[0], "test");
+    assert_string_equal(list->columns[5], "extra");
+    assert_string_equal(list->pairs[1].ref, "caf\xc3\xa9");
     assert_cell(list, 0, 2, 2, "8.1", 1);
     assert_cell(list, 0, 3, 3, "12", 1);
     assert_cell(list, 0, 4, 4, "[1,\"b\"]", 1);
     assert_cell(list, 1, 2, 5, "null", 1);
     assert_cell(list, 1, 3, 2, "8", 0);
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
 }
 
 TEST(test_hash) {
-    nqm_pair_list *list = parse("reference,test\na,b\n");
+    nqm_pairs *list = parse("reference,test\na,b\n");
     /* printf 'reference,test\na,b\n' | sha256sum */
     assert_string_equal(list->sha256, "203ef345fb998f03d2d802473b9a24f0e7634f95f3d7a9ded5e3a18e26383be3");
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
 }
 
 TEST(test_faults) {
@@ -87,9 +86,9 @@ TEST(test_faults) {
     assert_fault("{\"reference\":\"a\",\"test\":\"b\"}\n[1]\n", NQM_ERR_FORMAT, "line 2");
     assert_fault("{\"reference\":\"a\",\"test\":\"b\"", NQM_ERR_FORMAT, "line 1");
     assert_fault("{\"reference\":\"a\",\"test\":\"b\",\"test\":\"c\"}", NQM_ERR_FORMAT, "uplicate");
-    nqm_pair_list *list;
+    nqm_pairs *list;
     nqm_error err = {0};
-    assert_int_equal(nqm_pair_list_load("nowhere.csv", &list, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_pairs_read("nowhere.csv", &list, &err), NQM_ERR_IO);
     assert_null(list);
 }
 
@@ -105,13 +104,13 @@ TEST(test_too_many_columns) {
 TEST(test_out_of_memory) {
     static const char *const texts[] = {"reference,test,x\na,b,c\n", "{\"reference\":\"a\",\"test\":\"b\",\"x\":[1]}"};
     for (size_t t = 0; t < 2; ++t) {
-        nqm_pair_list *list = NULL;
+        nqm_pairs *list = NULL;
         nqm_status status = NQM_OK;
         long n = -1;
         EVERY_ALLOCATION(n, status, 0) {
-            status = nqm_pair_list_parse(texts[t], strlen(texts[t]), "list", &list, NULL);
+            status = nqm_pairs_parse(texts[t], strlen(texts[t]), "list", &list, NULL);
             assert_true((status == NQM_OK) == (list != NULL));
         }
-        nqm_pair_list_free(list);
+        nqm_pairs_free(list);
     }
 }

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Small pictures of any BRDF, of models for anisotropic ones: every point receives a known light by the slope of the
- * half vector (label/slopes.c). The BRDF is evaluated at half vectors that are placed by its lobe: a disc and rings
- * that are even in the logarithm of the slope, in which lobes are smooth, stretched and moved as the lobe is; far from
- * it they become round, so that they cover all slopes. Each stands for the light of its surroundings.
+ * The half vectors at which a BRDF is evaluated: a disc and rings that are even in the logarithm of the slope, in which
+ * lobes are smooth. Near the lobe the rings have its centre and axes; far from it they become round, so that they cover
+ * all slopes. Each half vector stands for the light of its surroundings.
  */
-#include "brdf/brdf.h"
+#include "lobes/lobes.h"
 #include "math/math.h"
-#include "metric/azimuths.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,7 +19,7 @@ static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.0
 enum { PARTS_ALONG = 3, PARTS_AROUND = 4 };
 
 typedef struct ring {
-    double inner, outer; /* before stretching */
+    double inner, outer; /* radii of circles of the same area */
     size_t n_nodes;
 } ring;
 
@@ -54,7 +52,7 @@ static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret)
     return n;
 }
 
-/* A circle of the rings in the plane of slopes. */
+/* A ring in the plane of slopes: the circle of radius 1 becomes center + axes * (x, y). */
 typedef struct circle {
     double center[2], axes[4];
 } circle;
@@ -64,13 +62,13 @@ static double blend(double t, double from, double to) {
     return fmin(fmax(log(t / from) / log(to / from), 0), 1);
 }
 
-/* Stretched and moved as the lobe is; far from it the circles become round about the normal. Centres move less than
- * circles grow, so that circles do not cross. The stretch is symmetric: the axis of a nearly round lobe is a matter of
- * chance, and turns no nodes. */
+/* An ellipse with the centre and the ratio of axes of the lobe; far from it, a circle about the normal. Centres move less than
+ * circles grow, so that ellipses do not cross. The matrix of the axes is symmetric: the azimuth of a nearly round lobe is
+ * a matter of chance, and must not turn the nodes. */
 static circle circle_at(const nqm_lobe *lobe, double t) {
     static const double round = 4;
-    const double moved = hypot(lobe->center[0], lobe->center[1]);
-    const double here = moved > 0 ? 1 - blend(t, 2 * moved, fmax(round, 6 * moved)) : 0;
+    const double distance = hypot(lobe->center[0], lobe->center[1]);
+    const double here = distance > 0 ? 1 - blend(t, 2 * distance, fmax(round, 6 * distance)) : 0;
     const double along = hypot(lobe->axes[0], lobe->axes[2]), c = lobe->axes[0] / along, s = lobe->axes[2] / along;
     const double from = fmin(3 * lobe->width, round * exp(-1.5 * fabs(log(along)) - 1));
     const double longer = t * pow(along, 1 - blend(t, from, round)), shorter = t * t / longer;
@@ -85,11 +83,11 @@ static void slope_at(const circle *at, double x, double y, double slope[2]) {
 }
 
 /* Add the light of an area around a slope. */
-static void add_light(const nqm_model *m, const double slope[2], double area, float *light) {
+static void add_light(const nqm_slope_light *l, const double slope[2], double area, float *light) {
     if (!(slope[0] * slope[0] + slope[1] * slope[1] < NQM_SLOPE_MOST * NQM_SLOPE_MOST))
         return;
-    const size_t cell = nqm_slope_cell(slope[0], slope[1]), n = 3 * m->n_slope_points;
-    const float share = (float)(area / nqm_slope_area(cell)), *from = m->slopes + cell * n;
+    const size_t cell = nqm_slope_cell(slope[0], slope[1]), n = 3 * l->points.n;
+    const float share = (float)(area / nqm_slope_area(cell)), *from = l->light + cell * n;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i)
         light[i] += share * from[i];
@@ -125,7 +123,7 @@ static double part_at(const ring_circles *circles, size_t i, double phi, double 
 
 /* A node of a ring. The midpoint rule on the logarithm gives it the weight step t^2 at its middle, less than its area, which is
  * sinh(step) t^2. */
-static void add_node(const nqm_model *m, const ring *r, const ring_circles *circles, double phi, nodes *to) {
+static void add_node(const nqm_slope_light *l, const ring *r, const ring_circles *circles, double phi, nodes *to) {
     const double step = log(r->outer / r->inner), angle = 2 * NQM_PI / (double)r->n_nodes;
     const double share = step / sinh(step) * step / PARTS_ALONG * angle / PARTS_AROUND;
     double slope[2];
@@ -134,20 +132,20 @@ static void add_node(const nqm_model *m, const ring *r, const ring_circles *circ
     for (size_t i = 0; i < PARTS_ALONG; ++i)
         for (size_t j = 0; j < PARTS_AROUND; ++j) {
             const double area = part_at(circles, i, phi + angle * (((double)j + 0.5) / PARTS_AROUND - 0.5), slope);
-            add_light(m, slope, share * area, to->light + to->n * 3 * m->n_slope_points);
+            add_light(l, slope, share * area, to->light + to->n * 3 * l->points.n);
         }
     ++to->n;
 }
 
-static void add_nodes(const nqm_model *m, const nqm_lobe *lobe, size_t n_rings, const ring *rings, nodes *to) {
+static void add_nodes(const nqm_slope_light *l, const nqm_lobe *lobe, size_t n_rings, const ring *rings, nodes *to) {
     ring_circles circles;
     set_half(lobe->center, to->half[0]);
-    add_light(m, lobe->center, NQM_PI * rings[0].inner * rings[0].inner, to->light);
+    add_light(l, lobe->center, NQM_PI * rings[0].inner * rings[0].inner, to->light);
     to->n = 1;
     for (size_t k = 0; k < n_rings; ++k) {
         make_circles(lobe, &rings[k], &circles);
         for (size_t j = 0; j < rings[k].n_nodes; ++j)
-            add_node(m, &rings[k], &circles,
+            add_node(l, &rings[k], &circles,
                      2 * NQM_PI / (double)rings[k].n_nodes * ((double)j + 0.5 * (double)(k % 2)), to);
     }
 }
@@ -159,14 +157,14 @@ static bool is_wide(const nodes *of, size_t k) {
 
 /* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. Two rows of
  * `light` follow those of the nodes, for the sums. */
-static void settle(const nqm_model *m, const float *totals, nodes *to) {
-    const size_t n_points = m->n_slope_points, n = 3 * n_points;
+static void complete(const nqm_slope_light *l, const float *totals, nodes *to) {
+    const size_t n_points = l->points.n, n = 3 * n_points;
     float *all = to->light + to->n * n, *wide = all + n;
     for (size_t k = 0; k < to->n; ++k) {
         float *light = to->light + k * n;
         const double *h = to->half[k];
         for (size_t p = 0; p < n_points; ++p) {
-            const double *wo = m->slope_wo + 3 * p;
+            const double *wo = l->wo + 3 * p;
             const float lit = 2 * nqm_dot3(wo, h) * h[2] > wo[2];
             for (size_t c = 0; c < 3; ++c)
                 light[c * n_points + p] *= lit;
@@ -184,9 +182,9 @@ static void settle(const nqm_model *m, const float *totals, nodes *to) {
 }
 
 /* Add the reflection of one node at `count` points to rgb (3, n_points). */
-static void add_reflection(const nqm_model *m, const nqm_brdf *brdf, const double h[3], const float *light,
+static void add_reflection(const nqm_slope_light *l, const nqm_brdf *brdf, const double h[3], const float *light,
                            size_t first, size_t count, double *rgb) {
-    const double *wo = m->slope_wo + 3 * first;
+    const double *wo = l->wo + 3 * first;
     double wi[3 * BLOCK], f[3 * BLOCK];
     for (size_t i = 0; i < count; ++i) {
         const double d = 2 * nqm_dot3(wo + 3 * i, h);
@@ -196,40 +194,32 @@ static void add_reflection(const nqm_model *m, const nqm_brdf *brdf, const doubl
     nqm_brdf_eval(brdf, count, wi, wo, f, NULL);
     for (size_t c = 0; c < 3; ++c)
         for (size_t i = 0; i < count; ++i)
-            rgb[c * m->n_slope_points + first + i] += f[3 * i + c] * (double)light[c * m->n_slope_points + first + i];
+            rgb[c * l->points.n + first + i] += f[3 * i + c] * (double)light[c * l->points.n + first + i];
 }
 
 /* rgb (3, n_points): the sum over the nodes. */
-static void sum_nodes(const nqm_model *m, const nqm_brdf *brdf, const nodes *from, double *rgb) {
-    const size_t n_points = m->n_slope_points;
+static void sum_nodes(const nqm_slope_light *l, const nqm_brdf *brdf, const nodes *from, double *rgb) {
+    const size_t n_points = l->points.n;
     memset(rgb, 0, 3 * n_points * sizeof *rgb);
     for (size_t k = 0; k < from->n; ++k)
         for (size_t first = 0; first < n_points; first += BLOCK)
-            add_reflection(m, brdf, from->half[k], from->light + k * 3 * n_points, first,
+            add_reflection(l, brdf, from->half[k], from->light + k * 3 * n_points, first,
                            nqm_smaller(n_points - first, BLOCK), rgb);
 }
 
-void nqm_azimuths_totals(const nqm_model *m, float *totals) {
-    const size_t n = 3 * m->n_slope_points;
-    memset(totals, 0, n * sizeof *totals);
-    for (size_t cell = 0; cell < NQM_SLOPE_CELLS; ++cell)
-        for (size_t i = 0; i < n; ++i)
-            totals[i] += m->slopes[cell * n + i];
-}
-
-bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                        double *rgb) {
+bool nqm_lobe_light(const nqm_slope_light *l, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
+                    double *rgb) {
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;
     const size_t n_rings = make_rings(lobe, rings, &n_nodes);
     if (nqm_alloc_arrays(NQM_ARRAYS({&made.half, n_nodes, sizeof *made.half},
-                                    {&made.light, n_nodes + 2, 3 * m->n_slope_points * sizeof *made.light}),
+                                    {&made.light, n_nodes + 2, 3 * l->points.n * sizeof *made.light}),
                          NULL) != NQM_OK)
         return false;
-    add_nodes(m, lobe, n_rings, rings, &made);
-    settle(m, totals, &made);
-    sum_nodes(m, brdf, &made, rgb);
+    add_nodes(l, lobe, n_rings, rings, &made);
+    complete(l, totals, &made);
+    sum_nodes(l, brdf, &made, rgb);
     nqm_free(made.half);
     return true;
 }

@@ -3,31 +3,31 @@
  * Fuzz target: lists of pairs. Every row of an accepted list must have a pair, and every cell a known column.
  */
 #include "fuzz.h"
-#include "nqm/score/pair_list.h"
+#include "pairs/pairs.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static int run_one(const uint8_t *data, size_t n_bytes) {
-    nqm_pair_list *list;
+    nqm_pairs *list;
     nqm_error err = {0};
-    if (nqm_pair_list_parse((const char *)data, n_bytes, "fuzz", &list, &err) != NQM_OK) {
+    if (nqm_pairs_parse((const char *)data, n_bytes, "fuzz", &list, &err) != NQM_OK) {
         must(!list && err.message[0]);
         return 0;
     }
     size_t n_text = 0;
-    for (size_t row = 0; row < list->n_rows; ++row) {
-        must(nqm_pair_list_cells(list, row) >= 2);
-        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
-            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-            must(cell.column < list->n_columns && list->column[cell.column]);
+    nqm_pairs_cell cell;
+    for (size_t row = 0; row < list->n; ++row) {
+        must(nqm_pairs_get_cell(list, row, 1, &cell));
+        for (size_t i = 0; nqm_pairs_get_cell(list, row, i, &cell); ++i) {
+            must(cell.column < list->n_columns && list->columns[cell.column]);
             n_text += strlen(cell.text);
         }
-        n_text += strlen(list->pair[row].ref) + strlen(list->pair[row].test);
+        n_text += strlen(list->pairs[row].ref) + strlen(list->pairs[row].test);
     }
     must(n_text <= 60 * (n_bytes + 1));
     must(strlen(list->sha256) == 64);
-    nqm_pair_list_free(list);
+    nqm_pairs_free(list);
     return 0;
 }
 

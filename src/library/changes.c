@@ -2,28 +2,32 @@
  *
  * Which properties and maps changed between two materials: values, and what maps compute as text, "col.png [8 0 0; 0 8 0]".
  */
-#include "io/io.h"
-#include "material/maps.h"
-#include "nqm/library/library.h"
-#include "nqm/textured.h"
+#include "library/library.h"
 
 #include <ctype.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A material that has values or maps. */
 typedef struct look {
     nqm_values values;
-    found_maps found;
+    nqm_library_maps found;
     const nqm_textured *maps; /* NULL: none */
 } look;
 
-static bool open_look(const char *argument, look *to) {
+/* Both, and what changes. */
+typedef struct comparison {
+    look before, after;
+    size_t n, max_n;
+    nqm_library_change *changes; /* (n) */
+    bool is_short;               /* of memory */
+} comparison;
+
+/* false: it has neither. */
+static bool open_look(comparison *c, nqm_pairs_files *files, const char *argument, look *to) {
     nqm_material_info info = {.spec = NULL};
-    *to = (look){.maps = NULL};
-    if (find_material(argument, &info) && info.spec)
+    if (nqm_pairs_find_material(files, argument, &info) && info.spec)
         return nqm_values_parse_spec(info.spec, &to->values, NULL) == NQM_OK;
-    to->found = find_maps(argument);
+    c->is_short = nqm_library_find_maps(argument, &to->found, NULL) == NQM_ERR_NOMEM || c->is_short;
     to->maps = to->found.maps;
     if (to->maps)
         to->values = to->maps->values;
@@ -49,13 +53,14 @@ static void put_content(const nqm_map_image *image, FILE *to) {
     const unsigned char *data;
     size_t n;
     const bool is_read = nqm_textured_open_image(image, &map, &data, &n, NULL) == NQM_OK;
-    if (!nqm_sha256_begin(&sha))
-        stop(EXIT_LIMIT, "out of memory");
-    if (is_read)
+    const bool is_hashed = is_read && nqm_sha256_begin(&sha);
+    if (is_hashed) {
         nqm_sha256_add(&sha, data, n);
-    nqm_sha256_end(&sha, hash);
-    nqm_map_close(&map);
-    fputs(is_read ? hash : image->name, to);
+        nqm_sha256_end(&sha, hash);
+    }
+    if (is_read)
+        nqm_map_close(&map);
+    fputs(is_hashed ? hash : image->name, to);
 }
 
 static void put_image(const nqm_textured *t, const nqm_map_node *node, bool by_content, FILE *to) {
@@ -95,14 +100,18 @@ static void put_node(const nqm_textured *t, uint16_t at, bool by_content, FILE *
         fprintf(to, "%s%g", c || node->op == NQM_MAP_CHANNEL ? " " : "", node->v[c]);
 }
 
-/* free() it. */
-static char *map_text(const look *of, uint16_t node, bool by_content) {
-    char *text;
+/* nqm_free() it; NULL: out of memory. */
+static char *map_text(comparison *c, const look *of, uint16_t node, bool by_content) {
+    char *text = NULL, *copy;
     size_t n;
-    FILE *to = open_text(&text, &n);
-    put_node(of->maps, node, by_content, to);
-    fclose(to);
-    return text;
+    FILE *to = open_memstream(&text, &n);
+    if (to)
+        put_node(of->maps, node, by_content, to);
+    const bool is_complete = to && !ferror(to), is_closed = to && fclose(to) == 0;
+    copy = is_complete && is_closed ? nqm_strdup(text) : NULL;
+    c->is_short = c->is_short || !copy;
+    free(text);
+    return copy;
 }
 
 /* The node of a key, or of "normal"; NQM_NO_NODE: no map has it. */
@@ -116,85 +125,94 @@ static uint16_t node_of(const look *of, const char *key) {
 
 /* ---- changes ----------------------------------------------------------------------------------------------------- */
 
-static json_t *json_value(const look *of, const char *key) {
+static nqm_library_value value_of(comparison *c, const look *of, const char *key) {
     const uint16_t node = node_of(of, key);
     const double *v = nqm_values_given(&of->values, key);
+    nqm_library_value value = {.text = NULL};
     if (node != NQM_NO_NODE) {
-        char *text = map_text(of, node, false);
-        json_t *name = json_name(text);
-        free(text);
-        return name;
+        value.text = map_text(c, of, node, false);
+    } else if (v) {
+        value.n = v[0] == v[1] && v[1] == v[2]
+                      ? 1
+                      : of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n;
+        memcpy(value.v, v, value.n * sizeof *v);
     }
-    if (!v || (v[0] == v[1] && v[1] == v[2]))
-        return v ? json_number(v[0]) : json_null();
-    json_t *list = json_array();
-    for (size_t c = 0; c < of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n; ++c)
-        json_array_append_new(list, json_number(v[c]));
-    return list;
+    return value;
 }
 
-static bool is_same(const look *old, const look *new, const char *key) {
-    const uint16_t nodes[2] = {node_of(old, key), node_of(new, key)};
-    const double *p = nqm_values_given(&old->values, key), *q = nqm_values_given(&new->values, key);
+static bool is_same(comparison *c, const char *key) {
+    const look *before = &c->before, *after = &c->after;
+    const uint16_t nodes[2] = {node_of(before, key), node_of(after, key)};
+    const double *p = nqm_values_given(&before->values, key), *q = nqm_values_given(&after->values, key);
     if ((nodes[0] == NQM_NO_NODE) != (nodes[1] == NQM_NO_NODE))
         return false;
     if (nodes[0] == NQM_NO_NODE)
         return p && q ? memcmp(p, q, 3 * sizeof *p) == 0 : p == q; /* values after the last repeat it */
-    char *texts[2] = {map_text(old, nodes[0], true), map_text(new, nodes[1], true)};
-    const bool is = strcmp(texts[0], texts[1]) == 0;
-    free(texts[0]);
-    free(texts[1]);
+    char *texts[2] = {map_text(c, before, nodes[0], true), map_text(c, after, nodes[1], true)};
+    const bool is = texts[0] && texts[1] && strcmp(texts[0], texts[1]) == 0;
+    nqm_free(texts[0]);
+    nqm_free(texts[1]);
     return is;
 }
 
-static void compare_key(json_t *to, const look *old, const look *new, const char *key) {
-    json_t *change;
-    size_t i;
-    json_array_foreach(to, i,
-                       change) if (strcmp(json_string_value(json_object_get(change, "property")), key) == 0) return;
-    if (is_same(old, new, key))
+static void add_change(comparison *c, const char *property, nqm_library_value before, nqm_library_value after) {
+    nqm_library_change *changes = nqm_grow(c->changes, &c->max_n, c->n + 1, sizeof *changes);
+    if (!changes) {
+        c->is_short = true;
+        nqm_free((char *)(uintptr_t)before.text);
+        nqm_free((char *)(uintptr_t)after.text);
         return;
-    json_t *values[2] = {json_value(old, key), json_value(new, key)};
-    if (json_is_string(values[0]) && json_equal(values[0], values[1])) {
-        json_t *other = json_sprintf("%s (other pixels)", json_string_value(values[1]));
-        json_decref(values[1]);
-        values[1] = other;
     }
-    json_array_append_new(to, json_row("property:s old:o new:o", key, values[0], values[1]));
+    c->changes = changes;
+    changes[c->n] = (nqm_library_change){.before = before, .after = after};
+    snprintf(changes[c->n++].property, sizeof changes->property, "%s", property);
 }
 
-static void compare_keys(json_t *to, const look *old, const look *new, const look *keys) {
+static void compare_key(comparison *c, const char *key) {
+    for (size_t i = 0; i < c->n; ++i)
+        if (strcmp(c->changes[i].property, key) == 0)
+            return;
+    if (is_same(c, key))
+        return;
+    nqm_library_value before = value_of(c, &c->before, key), after = value_of(c, &c->after, key);
+    if (before.text && after.text && strcmp(before.text, after.text) == 0) {
+        char *other = nqm_strdupf("%s (other pixels)", after.text);
+        c->is_short = c->is_short || !other;
+        nqm_free((char *)(uintptr_t)after.text);
+        after.text = other;
+    }
+    add_change(c, key, before, after);
+}
+
+static void compare_keys(comparison *c, const look *keys) {
     for (size_t k = 0; k < keys->values.schema->n_keys; ++k)
         if (keys->values.given >> k & 1)
-            compare_key(to, old, new, keys->values.schema->keys[k].name);
+            compare_key(c, keys->values.schema->keys[k].name);
     for (size_t k = 0; keys->maps && k < keys->maps->n_outputs; ++k)
-        compare_key(to, old, new, keys->maps->outputs[k].key);
+        compare_key(c, keys->maps->outputs[k].key);
     if (keys->maps)
-        compare_key(to, old, new, "normal");
+        compare_key(c, "normal");
 }
 
-json_t *list_changes(const nqm_named_pair *pair) {
-    look *old = allocate(2, sizeof *old), *new = old + 1;
-    json_t *list = json_array();
-    const bool is_known = open_look(pair->ref, old) && open_look(pair->test, new);
-    if (is_known && old->values.schema != new->values.schema) {
-        json_array_append_new(
-            list, json_row("property:s old:s new:s", "model", old->values.schema->model, new->values.schema->model));
+nqm_status nqm_library_compare(nqm_pairs_files *files, nqm_library_pair *pair, nqm_error *err) {
+    comparison *c = nqm_alloc(1, sizeof *c);
+    if (!c)
+        return nqm_fail_nomem(err, sizeof *c);
+    const bool is_known =
+        open_look(c, files, pair->names.ref, &c->before) && open_look(c, files, pair->names.test, &c->after);
+    const nqm_schema *before = c->before.values.schema, *after = c->after.values.schema;
+    if (is_known && before != after) {
+        add_change(c, "model", (nqm_library_value){.text = nqm_strdup(before->model)},
+                   (nqm_library_value){.text = nqm_strdup(after->model)});
     } else if (is_known) {
-        compare_keys(list, old, new, old);
-        compare_keys(list, old, new, new);
+        compare_keys(c, &c->before);
+        compare_keys(c, &c->after);
     }
-    free_maps(&old->found);
-    free_maps(&new->found);
-    free(old);
-    return list;
-}
-
-void print_value(const json_t *value, FILE *to) {
-    for (size_t c = 0; c < json_array_size(value); ++c)
-        fprintf(to, "%s%.4g", c ? "," : "", json_number_value(json_array_get(value, c)));
-    if (json_is_number(value))
-        fprintf(to, "%.4g", json_number_value(value));
-    else if (!json_is_array(value))
-        fputs(json_is_string(value) ? shown(json_string_value(value)) : "default", to);
+    nqm_library_free_maps(&c->before.found);
+    nqm_library_free_maps(&c->after.found);
+    pair->changes = c->changes;
+    pair->n_changes = c->n;
+    const bool is_short = c->is_short || files->is_short;
+    nqm_free(c);
+    return is_short ? nqm_fail_nomem(err, sizeof *c) : NQM_OK;
 }

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/pairs.h - EXPERIMENTAL (may change in any release): lists of pairs of BRDFs, files of several materials as pairs, and what is
+ * said of a score in words.
+ */
+#ifndef NQM_PAIRS_H
+#define NQM_PAIRS_H
+
+#include <nqm/metric.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Pairs of a reference and a test, in an order. Those of the library are immutable; any thread. A caller may fill one: unused members
+ *  are 0. */
+typedef struct nqm_pairs {
+    size_t n;                    /**< pairs */
+    const nqm_named_pair *pairs; /**< (n) */
+    const char *const *names; /**< (n) names of the tests for people, NULL where there is none; NULL: there are none */
+    const size_t *rows; /**< (n) of nqm_pairs_expand(): the given pair that each stands for; NULL: each is itself */
+    size_t n_columns;   /**< of a list; else 0 */
+    const char *const *columns; /**< (n_columns) names, in the order of the header or of their first appearance */
+    const char *sha256;         /**< of the bytes of a list, 64 hex digits; NULL: it is none */
+    const char *
+        left_out; /**< of nqm_pairs_expand(): a message for each material that has no partner, each with its NUL, then an
+                                       empty one; NULL: not expanded */
+    struct nqm_pairs_state *state; /**< of the library */
+} nqm_pairs;
+
+/**
+ * Read a list: CSV with a header that names the columns `reference` and `test` (ASCII case ignored), or JSON Lines with strings
+ * "reference" and "test" in each line (doc/files.md). Memory: at most ten times the bytes of the file. Any thread.
+ *
+ * @param pairs_ret  receives the list; nqm_pairs_free() it
+ * @return NQM_ERR_IO, NQM_ERR_FORMAT (the message names line and byte), NQM_ERR_LIMIT (more than 1024 columns), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_pairs_read(const char *path, nqm_pairs **pairs_ret, nqm_error *err);
+
+/**
+ * The pairs that are scored. A test that is a file of several materials stands for a pair with each of them, "FILE:NAME". If the
+ * reference is such a file, too, its materials are paired with those of the same names: one that the test lacks is a pair that cannot
+ * be opened, and one that only the test has is left out. Other pairs remain. In a list, a test "NAME=BRDF" is the BRDF and its name,
+ * and a column `name` has priority. Any thread.
+ *
+ * @param pairs   must outlive the result. Relative paths begin in the working folder
+ * @param ignore  what of refused materials is ignored (<nqm/material.h>), "transmission,opacity"; NULL: nothing
+ * @return NQM_ERR_ARG (no such word), NQM_ERR_FORMAT (tests of one reference have one name, or a name has a control character),
+ *         NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_pairs_expand(const nqm_pairs *pairs, const char *ignore, nqm_pairs **expanded_ret,
+                                                   nqm_error *err);
+/** Free; NULL is allowed. */
+NQM_API void nqm_pairs_free(nqm_pairs *pairs);
+
+enum { NQM_REMARKS_TEXT = 9000, NQM_VERDICT_TEXT = 64 };
+
+/**
+ * What may make a score wrong, in sentences: negative and missing values, BRDFs unlike those of the training, rows of a list that are
+ * far from the model's directions, a scale that is missing, what of a file is not used or ignored. Any thread.
+ *
+ * @param model    that of the score
+ * @param invalid  its policy for missing values
+ * @param pair     the arguments of the BRDFs; NULL: they have none
+ * @param ref      name of the reference in the sentences; NULL: no remarks about it
+ * @param test     name of the test
+ * @param text     (NQM_REMARKS_TEXT) receives the remarks, each with its NUL, then an empty one
+ * @return text
+ */
+NQM_API const char *nqm_pairs_remarks(const nqm_model *model, nqm_invalid_policy invalid, const nqm_named_pair *pair,
+                                      const char *ref, const char *test, const nqm_score_result *result, char *text);
+
+/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different",
+ *  "identical"; "" without a score. text: (NQM_VERDICT_TEXT). Returns text or a static string. Any thread. */
+NQM_API const char *nqm_verdict(const nqm_score_result *result, char *text);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
