@@ -14,6 +14,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_sam
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
           ("Textures", ("score_maps", "MapScore", "Blame", "Material", "MapsInfo")),
           ("Fits", ("fit", "Fit", "fit_models")),
+          ("Tests of shaders", ("conform", "Conformance", "Mistake")),
           ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),
           ("Datasets", ("Dataset",)),
           ("Errors and the library", ("Error", "Status", "build_info", "files_within")))

@@ -16,6 +16,7 @@ from ._library import lib as _lib
 from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, files_within,
                     half_diff_to_directions, materials, presets, table_nodes)
 from ._call import Error
+from ._conform import Conformance, Mistake, conform
 from ._data import Dataset
 from ._fit import Fit, fit, fit_models
 from ._metric import Metric, batch, expand_pairs, metrics
@@ -32,6 +33,7 @@ __all__ = [
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
+    "conform", "Conformance", "Mistake",
     "Error", "Status", "build_info", "files_within",
 ]
 

@@ -150,44 +150,6 @@ class SampleReport(Structure):
     ]
 
 
-class Split(enum.IntEnum):
-    """`nqm_split`"""
-
-    TRAIN = 0
-    VALIDATION = 1
-    TEST = 2
-    ALL = 3
-
-
-class DatasetInfo(Structure):
-    _fields_ = [
-        ("n_directions", c_size_t),
-        ("n_refs", c_size_t),
-        ("n_groups", c_size_t),
-        ("n_pairs", c_size_t),
-        ("n_kinds", c_size_t),
-        ("n_pairs_in", c_size_t * 3),
-        ("sha256", c_char_p),
-        ("manifest", c_char_p),
-        ("directions", c_void_p),
-    ]
-
-
-class DatasetPair(Structure):
-    _fields_ = [
-        ("ref", c_char_p),
-        ("group", c_char_p),
-        ("test", c_char_p),
-        ("kind", c_char_p),
-        ("family", c_char_p),
-        ("material_class", c_char_p),
-        ("source", c_char_p),
-        ("split", c_int),
-        ("delta_e", c_double),
-        ("jod", c_double),
-    ]
-
-
 class Target(enum.IntEnum):
     """`nqm_target`"""
 
@@ -275,6 +237,196 @@ class Label(Structure):
 
 
 LABEL_TEXT = 160
+
+
+class Metric(enum.IntEnum):
+    """`nqm_metric`"""
+
+    RMSE = 0
+    MAE = 1
+    RMS_CRWE = 2
+    MA_CRWE = 3
+    RMS_LOGE = 4
+    MA_LOGE = 5
+    RMS_LOGWE = 6
+    MA_LOGWE = 7
+    LOG_DIFF = 8
+
+
+class MetricInfo(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("description", c_char_p),
+        ("family", c_char_p),
+        ("is_baseline", c_int),
+    ]
+
+
+class ScoreOptions(Structure):
+    _fields_ = [
+        ("invalid", c_int),
+        ("min_valid_fraction", c_double),
+        ("metrics", c_int),
+        ("cache_bytes", c_size_t),
+    ]
+
+
+REMARK_TEXT = 256
+
+
+class ScoreResult(Structure):
+    _fields_ = [
+        ("status", c_int),
+        ("jod", c_double),
+        ("delta_e", c_double),
+        ("jod_low", c_double),
+        ("jod_high", c_double),
+        ("novelty", c_double),
+        ("parts", Label),
+        ("similarity", c_double * 3),
+        ("anisotropy", c_double),
+        ("identical", c_int),
+        ("metrics", c_double * 9),
+        ("n_valid", c_size_t),
+        ("n_clamped", c_size_t * 2),
+        ("n_invalid", c_size_t * 2),
+        ("n_unusual", c_size_t * 2),
+        ("remark", (c_char * 256) * 2),
+        ("distance_deg", c_double * 2),
+        ("suspect_scale", c_double),
+        ("suspect_cosine", c_double),
+    ]
+
+
+SCORE_BLOCK = 256
+
+
+class NamedPair(Structure):
+    _fields_ = [
+        ("ref", c_char_p),
+        ("test", c_char_p),
+    ]
+
+
+class SamplePair(Structure):
+    _fields_ = [
+        ("ref", c_void_p),
+        ("test", c_void_p),
+        ("used", c_void_p),
+    ]
+
+
+class ScoreQuantity(enum.IntEnum):
+    """`nqm_score_quantity`"""
+
+    JOD = 0
+    DELTA_E = 1
+
+
+class ConformInfo(Structure):
+    _fields_ = [
+        ("model", c_char_p),
+        ("n_sets", c_size_t),
+        ("n_directions", c_size_t),
+        ("n_columns", c_size_t),
+        ("columns", c_char_p),
+    ]
+
+
+class ConformSet(Structure):
+    _fields_ = [
+        ("spec", c_char_p),
+        ("values", c_void_p),
+        ("light", c_void_p),
+        ("viewer", c_void_p),
+    ]
+
+
+CONFORM_MISTAKES = 3
+CONFORM_TEXT = 400
+
+
+class ConformMistake(Structure):
+    _fields_ = [
+        ("text", c_char * 400),
+        ("lowest_jod", c_double),
+        ("remaining", c_double),
+    ]
+
+
+class ConformLargest(Structure):
+    _fields_ = [
+        ("set", c_size_t),
+        ("direction", c_size_t),
+        ("channel", c_size_t),
+        ("value", c_double),
+        ("right", c_double),
+        ("angles_rad", c_double * 4),
+    ]
+
+
+class ConformReport(Structure):
+    _fields_ = [
+        ("n_passed", c_size_t),
+        ("lowest_jod", c_double),
+        ("difference", c_double),
+        ("n_mistakes", c_size_t),
+        ("mistakes", ConformMistake * 3),
+        ("is_named", c_int),
+        ("sets", c_char * 400),
+        ("angles", c_char * 400),
+        ("most", c_char * 400),
+        ("largest", ConformLargest),
+    ]
+
+
+class ConformProof(Structure):
+    _fields_ = [
+        ("lowest_jod", c_double),
+        ("n_mistakes", c_size_t),
+        ("n_first", c_size_t),
+        ("n_three", c_size_t),
+        ("passes", c_int),
+        ("missed", c_char * 10000),
+    ]
+
+
+class Split(enum.IntEnum):
+    """`nqm_split`"""
+
+    TRAIN = 0
+    VALIDATION = 1
+    TEST = 2
+    ALL = 3
+
+
+class DatasetInfo(Structure):
+    _fields_ = [
+        ("n_directions", c_size_t),
+        ("n_refs", c_size_t),
+        ("n_groups", c_size_t),
+        ("n_pairs", c_size_t),
+        ("n_kinds", c_size_t),
+        ("n_pairs_in", c_size_t * 3),
+        ("sha256", c_char_p),
+        ("manifest", c_char_p),
+        ("directions", c_void_p),
+    ]
+
+
+class DatasetPair(Structure):
+    _fields_ = [
+        ("ref", c_char_p),
+        ("group", c_char_p),
+        ("test", c_char_p),
+        ("kind", c_char_p),
+        ("family", c_char_p),
+        ("material_class", c_char_p),
+        ("source", c_char_p),
+        ("split", c_int),
+        ("delta_e", c_double),
+        ("jod", c_double),
+    ]
 
 
 class SceneKind(enum.IntEnum):
@@ -441,88 +593,142 @@ class FitReport(Structure):
 FIT_N_ENCODINGS = 9
 
 
-class Metric(enum.IntEnum):
-    """`nqm_metric`"""
-
-    RMSE = 0
-    MAE = 1
-    RMS_CRWE = 2
-    MA_CRWE = 3
-    RMS_LOGE = 4
-    MA_LOGE = 5
-    RMS_LOGWE = 6
-    MA_LOGWE = 7
-    LOG_DIFF = 8
-
-
-class MetricInfo(Structure):
+class TextureInfo(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("description", c_char_p),
-        ("family", c_char_p),
-        ("is_baseline", c_int),
+        ("model", c_char_p),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_images", c_size_t),
+        ("n_bytes", c_size_t),
+        ("varying", c_char_p),
+        ("remark", c_char_p),
     ]
 
 
-class ScoreOptions(Structure):
+class TextureMap(Structure):
     _fields_ = [
-        ("invalid", c_int),
-        ("min_valid_fraction", c_double),
-        ("metrics", c_int),
-        ("cache_bytes", c_size_t),
+        ("key", c_char_p),
+        ("height", c_size_t),
+        ("width", c_size_t),
+        ("channels", c_size_t),
+        ("values", c_void_p),
     ]
 
 
-REMARK_TEXT = 256
-
-
-class ScoreResult(Structure):
+class TextureOptions(Structure):
     _fields_ = [
-        ("status", c_int),
+        ("exact", c_int),
+        ("n_texels", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("blame", c_int),
+        ("far", c_int),
+        ("seed", c_uint64),
+        ("progress", Progress),
+        ("progress_user", c_void_p),
+    ]
+
+
+class TextureBlame(Structure):
+    _fields_ = [
+        ("key", c_char * 48),
         ("jod", c_double),
-        ("delta_e", c_double),
+        ("mistake", c_char * 80),
+    ]
+
+
+TEXTURE_MAX_BLAME = 32
+
+
+class TextureResult(Structure):
+    _fields_ = [
+        ("jod", c_double),
         ("jod_low", c_double),
         ("jod_high", c_double),
-        ("novelty", c_double),
+        ("delta_e", c_double),
+        ("error", c_double),
         ("parts", Label),
-        ("similarity", c_double * 3),
-        ("anisotropy", c_double),
-        ("identical", c_int),
-        ("metrics", c_double * 9),
-        ("n_valid", c_size_t),
-        ("n_clamped", c_size_t * 2),
-        ("n_invalid", c_size_t * 2),
-        ("n_unusual", c_size_t * 2),
-        ("remark", (c_char * 256) * 2),
-        ("distance_deg", c_double * 2),
-        ("suspect_scale", c_double),
-        ("suspect_cosine", c_double),
+        ("median", c_double),
+        ("worst", c_double),
+        ("below", c_double * 2),
+        ("far_jod", c_double * 3),
+        ("far_delta_e", c_double),
+        ("width", c_size_t),
+        ("height", c_size_t),
+        ("n_different", c_size_t),
+        ("n_scored", c_size_t),
+        ("texels_per_pixel", c_size_t),
+        ("n_blame", c_size_t),
+        ("blame", TextureBlame * 32),
     ]
 
 
-SCORE_BLOCK = 256
-
-
-class NamedPair(Structure):
+class LibraryMember(Structure):
     _fields_ = [
-        ("ref", c_char_p),
-        ("test", c_char_p),
+        ("argument", c_char_p),
+        ("key", c_char_p),
+        ("is_textured", c_int),
     ]
 
 
-class SamplePair(Structure):
+class LibraryOptions(Structure):
     _fields_ = [
-        ("ref", c_void_p),
-        ("test", c_void_p),
-        ("used", c_void_p),
+        ("ignore", c_char_p),
+        ("index", c_char_p),
+        ("score", POINTER(ScoreOptions)),
+        ("progress", Progress),
+        ("report", CFUNCTYPE(None, c_void_p, c_int, c_char_p)),
+        ("user", c_void_p),
     ]
 
 
-class ScoreQuantity(enum.IntEnum):
-    """`nqm_score_quantity`"""
+class Library(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("members", POINTER(LibraryMember)),
+        ("n_failed", c_size_t),
+        ("path", c_char_p),
+        ("state", c_void_p),
+    ]
 
-    JOD = 0
-    DELTA_E = 1
+
+class LibraryValue(Structure):
+    _fields_ = [
+        ("text", c_char_p),
+        ("n", c_size_t),
+        ("v", c_double * 3),
+    ]
+
+
+class LibraryChange(Structure):
+    _fields_ = [
+        ("property", c_char * 48),
+        ("before", LibraryValue),
+        ("after", LibraryValue),
+    ]
+
+
+class LibraryPair(Structure):
+    _fields_ = [
+        ("ref", c_size_t),
+        ("test", c_size_t),
+        ("names", NamedPair),
+        ("result", ScoreResult),
+        ("error", Error),
+        ("texture", POINTER(TextureResult)),
+        ("is_refused_alike", c_int),
+        ("n_changes", c_size_t),
+        ("changes", POINTER(LibraryChange)),
+    ]
+
+
+class LibraryQuery(Structure):
+    _fields_ = [
+        ("to", c_char_p),
+        ("n", c_size_t),
+        ("is_apart", c_int),
+        ("jod", c_double),
+    ]
 
 
 class MatchLoss(Structure):
@@ -701,74 +907,40 @@ class TrainReport(Structure):
     ]
 
 
-class TextureInfo(Structure):
+class Translation(Structure):
+    _fields_ = [
+        ("match", MatchReport),
+        ("copied", c_char * 2048),
+        ("dropped", c_char * 300),
+        ("texture", TextureResult),
+    ]
+
+
+class TranslateModel(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("model", c_char_p),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_images", c_size_t),
-        ("n_bytes", c_size_t),
-        ("varying", c_char_p),
-        ("remark", c_char_p),
+        ("alias", c_char_p),
+        ("about", c_char_p),
+        ("extension", c_char * 8),
     ]
 
 
-class TextureMap(Structure):
+class Pairs(Structure):
     _fields_ = [
-        ("key", c_char_p),
-        ("height", c_size_t),
-        ("width", c_size_t),
-        ("channels", c_size_t),
-        ("values", c_void_p),
+        ("n", c_size_t),
+        ("pairs", POINTER(NamedPair)),
+        ("names", c_void_p),
+        ("rows", c_void_p),
+        ("n_columns", c_size_t),
+        ("columns", c_void_p),
+        ("sha256", c_char_p),
+        ("left_out", c_char_p),
+        ("state", c_void_p),
     ]
 
 
-class TextureOptions(Structure):
-    _fields_ = [
-        ("exact", c_int),
-        ("n_texels", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("blame", c_int),
-        ("far", c_int),
-        ("seed", c_uint64),
-        ("progress", Progress),
-        ("progress_user", c_void_p),
-    ]
-
-
-class TextureBlame(Structure):
-    _fields_ = [
-        ("key", c_char * 48),
-        ("jod", c_double),
-        ("mistake", c_char * 80),
-    ]
-
-
-TEXTURE_MAX_BLAME = 32
-
-
-class TextureResult(Structure):
-    _fields_ = [
-        ("jod", c_double),
-        ("jod_low", c_double),
-        ("jod_high", c_double),
-        ("delta_e", c_double),
-        ("error", c_double),
-        ("parts", Label),
-        ("median", c_double),
-        ("worst", c_double),
-        ("below", c_double * 2),
-        ("far_jod", c_double * 3),
-        ("far_delta_e", c_double),
-        ("width", c_size_t),
-        ("height", c_size_t),
-        ("n_different", c_size_t),
-        ("n_scored", c_size_t),
-        ("texels_per_pixel", c_size_t),
-        ("n_blame", c_size_t),
-        ("blame", TextureBlame * 32),
-    ]
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
 
 
 #: name: (result, arguments)
@@ -812,11 +984,6 @@ FUNCTIONS = {
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), POINTER(Error)]),
     "nqm_samples_save_mat": (c_int, [c_void_p, c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_dataset_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_dataset_load_authors": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
-    "nqm_dataset_free": (None, [c_void_p]),
-    "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
-    "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_model_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_model_from_memory": (c_int, [c_void_p, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_model_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
@@ -832,6 +999,31 @@ FUNCTIONS = {
     "nqm_label_adapted_jod": (c_double, [POINTER(Label)]),
     "nqm_label_jod_error": (c_double, [POINTER(Label)]),
     "nqm_label_describe": (c_char_p, [POINTER(Label), c_char_p]),
+    "nqm_metric_get_info": (MetricInfo, [c_int]),
+    "nqm_metric_name": (c_char_p, [c_int]),
+    "nqm_metrics_compute": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_score_options_default": (ScoreOptions, []),
+    "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
+    "nqm_scorer_free": (None, [c_void_p]),
+    "nqm_scorer_run": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_scorer_run_named": (c_int, [c_void_p, c_size_t, POINTER(NamedPair), POINTER(ScoreResult), POINTER(Error), POINTER(Error)]),
+    "nqm_scorer_run_samples": (c_int, [c_void_p, c_size_t, POINTER(SamplePair), POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_jod_preference": (c_double, [c_double, c_double]),
+    "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
+    "nqm_conform_kit_create": (c_int, [c_char_p, c_char_p, c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_conform_kit_free": (None, [c_void_p]),
+    "nqm_conform_kit_get_info": (ConformInfo, [c_void_p]),
+    "nqm_conform_kit_get_set": (ConformSet, [c_void_p, c_size_t]),
+    "nqm_conform_kit_write": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(Error)]),
+    "nqm_conform_compare": (c_int, [c_void_p, c_void_p, Progress, c_void_p, POINTER(ScoreResult), POINTER(ConformReport), POINTER(Error)]),
+    "nqm_conform_prove": (c_int, [c_void_p, Progress, c_void_p, POINTER(ConformProof), POINTER(Error)]),
+    "nqm_dataset_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_dataset_load_authors": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
+    "nqm_dataset_free": (None, [c_void_p]),
+    "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
+    "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_scene_options_default": (SceneOptions, []),
     "nqm_scene_create": (c_int, [POINTER(SceneOptions), c_void_p, POINTER(Error)]),
     "nqm_scene_free": (None, [c_void_p]),
@@ -854,19 +1046,16 @@ FUNCTIONS = {
     "nqm_fit_shading": (c_char_p, [c_size_t]),
     "nqm_fit_model_has": (c_int, [c_char_p, c_char_p]),
     "nqm_fit": (c_int, [c_void_p, c_char_p, POINTER(FitOptions), POINTER(FitReport), c_void_p, POINTER(Error)]),
-    "nqm_metric_get_info": (MetricInfo, [c_int]),
-    "nqm_metric_name": (c_char_p, [c_int]),
-    "nqm_metrics_compute": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_score_options_default": (ScoreOptions, []),
-    "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
-    "nqm_scorer_free": (None, [c_void_p]),
-    "nqm_scorer_run": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_scorer_run_named": (c_int, [c_void_p, c_size_t, POINTER(NamedPair), POINTER(ScoreResult), POINTER(Error), POINTER(Error)]),
-    "nqm_scorer_run_samples": (c_int, [c_void_p, c_size_t, POINTER(SamplePair), POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_jod_preference": (c_double, [c_double, c_double]),
-    "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
+    "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
+    "nqm_texture_free": (None, [c_void_p]),
+    "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
+    "nqm_texture_options_default": (TextureOptions, []),
+    "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_library_open": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(LibraryOptions), c_void_p, POINTER(Error)]),
+    "nqm_library_free": (None, [POINTER(Library)]),
+    "nqm_library_near": (c_int, [POINTER(Library), POINTER(LibraryQuery), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_library_diff": (c_int, [POINTER(Library), POINTER(Library), c_void_p, c_void_p, POINTER(Error)]),
     "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
     "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_materials_count": (c_size_t, [c_void_p]),
@@ -876,10 +1065,12 @@ FUNCTIONS = {
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
     "nqm_model_annotate": (c_int, [c_void_p, c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
-    "nqm_texture_free": (None, [c_void_p]),
-    "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
-    "nqm_texture_options_default": (TextureOptions, []),
-    "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_translate_target": (TranslateModel, [c_size_t]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_pairs_read": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_free": (None, [POINTER(Pairs)]),
+    "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
+    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
 }

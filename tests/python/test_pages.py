@@ -9,6 +9,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 import nqm
 
 SOURCE = os.environ["NQM_SOURCE"]
@@ -50,8 +52,8 @@ class Pages(unittest.TestCase):
                 os.chdir(before)
 
     def test_docstrings(self):
-        for thing in (nqm, nqm.Metric):
-            self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm})
+        for thing in (nqm, nqm.Metric, nqm.conform):
+            self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm, "np": np})
 
     def test_reference(self):
         made = subprocess.run([sys.executable, SOURCE + "/doc/reference_python.py"], stdout=subprocess.PIPE, check=True).stdout.decode()
