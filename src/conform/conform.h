@@ -44,38 +44,32 @@ static inline double *nqm_conform_directions(const nqm_conform_kit *kit, size_t 
 /* ---- mistakes (mistakes.c) --------------------------------------------------------------------------------------- */
 
 /** A mistake in a formula, in the use of a parameter, or of channels. */
-typedef struct nqm_flaw {
+typedef struct nqm_conform_flaw {
     size_t key;    /* of the schema; its n_keys: formulas and values */
     size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
     double amount; /* a limit, an exponent or a factor; 0: it has none */
-} nqm_flaw;
+} nqm_conform_flaw;
 
 /** What a shader may do wrong; zeroed: nothing. */
-typedef struct nqm_suspect {
+typedef struct nqm_conform_suspect {
     size_t n_flaws;
-    nqm_flaw flaws[2];
+    nqm_conform_flaw flaws[2];
     size_t kind; /* of suspects that differ in their amounts only; 0: no flaw */
     double left; /* mean absolute difference of log(f_r + 0.003) that remains */
-} nqm_suspect;
+} nqm_conform_suspect;
 
 /** Whether a direction of a shader counts. */
 static inline bool nqm_conform_is_value(const float rgb[3]) {
     return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
 }
 /** Values of a set as a suspect makes them, at every `stride`-th direction. is_rounded: of inputs in float32. */
-void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_suspect *s, size_t stride, bool is_rounded,
-                        float *rgb);
+void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_conform_suspect *s, size_t stride,
+                        bool is_rounded, float *rgb);
 /** Fill the mistakes of a report, and `found` with their suspects, the best first; suspects with equal values are one, and those that
  *  leave nine tenths of the difference are none. None: values differ by no more than float32 does. Where one leaves a difference, two
  *  are tried. */
 NQM_MUST_CHECK nqm_status nqm_conform_search(const nqm_conform_kit *kit, const float *values, const nqm_ticker *ticker,
-                                             nqm_suspect found[NQM_CONFORM_MISTAKES], nqm_conform_report *report,
-                                             nqm_error *err);
-
-/* ---- facts (facts.c) --------------------------------------------------------------------------------------------- */
-
-/** Fill the facts about the sets that fail (n_sets) of a report. */
-NQM_MUST_CHECK nqm_status nqm_conform_find_facts(const nqm_conform_kit *kit, const float *values, const bool *fails,
-                                                 nqm_conform_report *report, nqm_error *err);
+                                             nqm_conform_suspect found[NQM_CONFORM_MISTAKES],
+                                             nqm_conform_report *report, nqm_error *err);
 
 #endif

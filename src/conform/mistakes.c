@@ -39,7 +39,7 @@ static const char *const channels[] = {"bgr", "grb", "rbg", "rrr", "rrb", "rgr",
                                        "bgb", "rbb", "rg",  "rb",  "gr",  "gb",  "br",  "bg"};
 enum { N_COLOUR_MISTAKES = 10, N_CHANNEL_MISTAKES = sizeof channels / sizeof *channels };
 
-static const char *channels_of(const nqm_schema *schema, const nqm_flaw *f) {
+static const char *channels_of(const nqm_schema *schema, const nqm_conform_flaw *f) {
     const size_t first = f->key < schema->n_keys ? N_PROPERTY_MISTAKES : NQM_N_MISTAKES;
     return f->how < first ? NULL : channels[f->how - first];
 }
@@ -73,7 +73,7 @@ static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
 }
 
 /* A suspect for each amount that is tried: refine() finds those between. */
-static void add_suspects(nqm_flaw f, bool is_formula, nqm_suspect *list, size_t *n) {
+static void add_suspects(nqm_conform_flaw f, bool is_formula, nqm_conform_suspect *list, size_t *n) {
     const bool is_exponent = is_formula && f.how == NQM_MISTAKE_SCHLICK_EXPONENT,
                is_limit = is_formula && f.how == NQM_MISTAKE_CLAMPED,
                is_leak = is_formula && f.how >= NQM_N_MISTAKES + N_COLOUR_MISTAKES;
@@ -81,30 +81,30 @@ static void add_suspects(nqm_flaw f, bool is_formula, nqm_suspect *list, size_t 
     const double factor = is_exponent ? 1.4 : is_limit ? 4 : 2;
     f.amount = is_exponent ? 3 : is_limit ? 1 : is_leak || (!is_formula && f.how == RAISED) ? 0.05 : 0;
     for (size_t i = 0; i < (f.amount == 0 ? 1 : 4) && *n < MAX_SUSPECTS; ++i, f.amount *= factor)
-        list[(*n)++] = (nqm_suspect){.n_flaws = 1, .flaws[0] = f, .kind = kind};
+        list[(*n)++] = (nqm_conform_suspect){.n_flaws = 1, .flaws[0] = f, .kind = kind};
 }
 
 /* All that the model can have with one flaw, some with several amounts, and first none. Returns their number. */
-static size_t list_suspects(const nqm_conform_kit *kit, nqm_suspect list[MAX_SUSPECTS]) {
+static size_t list_suspects(const nqm_conform_kit *kit, nqm_conform_suspect list[MAX_SUSPECTS]) {
     const nqm_schema *schema = kit->schema;
     size_t n = 1;
-    list[0] = (nqm_suspect){.n_flaws = 0};
+    list[0] = (nqm_conform_suspect){.n_flaws = 0};
     for (size_t how = 0; how < NQM_N_MISTAKES + N_CHANNEL_MISTAKES; ++how)
-        add_suspects((nqm_flaw){.key = schema->n_keys, .how = how}, true, list, &n);
+        add_suspects((nqm_conform_flaw){.key = schema->n_keys, .how = how}, true, list, &n);
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const bool has_values = kit->keys >> k & 1; /* else the default, which may be taken as 0 */
         for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_COLOUR_MISTAKES; ++how)
             if ((has_values || how == ABSENT) && is_possible(schema, k, how))
-                add_suspects((nqm_flaw){.key = k, .how = how}, false, list, &n);
+                add_suspects((nqm_conform_flaw){.key = k, .how = how}, false, list, &n);
     }
     return n;
 }
 
 /* Append the words of a suspect to a text. */
-static void describe(const nqm_conform_kit *kit, const nqm_suspect *s, char *text, size_t n_text) {
+static void describe(const nqm_conform_kit *kit, const nqm_conform_suspect *s, char *text, size_t n_text) {
     const nqm_schema *schema = kit->schema;
     size_t at = strlen(text);
-    for (const nqm_flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f, at = strlen(text)) {
+    for (const nqm_conform_flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f, at = strlen(text)) {
         const nqm_schema_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
         const bool is_squared = key && key->n == 1 && nqm_role_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
@@ -127,7 +127,7 @@ static void describe(const nqm_conform_kit *kit, const nqm_suspect *s, char *tex
 
 /* ---- their values ------------------------------------------------------------------------------------------------ */
 
-static double changed(const nqm_schema *schema, const nqm_values *values, const nqm_flaw *f, size_t c) {
+static double changed(const nqm_schema *schema, const nqm_values *values, const nqm_conform_flaw *f, size_t c) {
     const double *v = values->v[f->key];
     if (channels_of(schema, f))
         return v[nqm_channel_of(channels_of(schema, f)[c])];
@@ -146,10 +146,10 @@ static double changed(const nqm_schema *schema, const nqm_values *values, const 
 }
 
 /* The values of a set with its flaws; those of formulas are put into *mistakes. */
-static nqm_values mistaken_values(const nqm_values *right, const nqm_suspect *s, nqm_mistakes *mistakes) {
+static nqm_values mistaken_values(const nqm_values *right, const nqm_conform_suspect *s, nqm_mistakes *mistakes) {
     const nqm_schema *schema = right->schema;
     nqm_values values = *right;
-    for (const nqm_flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
+    for (const nqm_conform_flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
         const nqm_values before = values;
         for (size_t c = 0; c < 3 && f->key < schema->n_keys; ++c)
             values.v[f->key][c] =
@@ -165,8 +165,8 @@ static nqm_values mistaken_values(const nqm_values *right, const nqm_suspect *s,
     return values;
 }
 
-void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_suspect *s, size_t stride, bool is_rounded,
-                        float *rgb) {
+void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_conform_suspect *s, size_t stride,
+                        bool is_rounded, float *rgb) {
     enum { PIECE = 512 };
     const nqm_kit_set *p = &kit->sets[set];
     const size_t n = nqm_ceil_div(kit->n_directions, stride);
@@ -201,7 +201,7 @@ typedef struct search {
     nqm_status status; /* after a failure, nothing more is compared */
     /* of explain(): */
     size_t n, n_planted;
-    const nqm_suspect *suspects;
+    const nqm_conform_suspect *suspects;
     bool is_rounded;
     double *left;           /* (n_sets, targets, n) */
     atomic_bool has_failed; /* out of memory */
@@ -255,7 +255,8 @@ static void explain_set(void *user, size_t set) {
 
 /* What remains of the values by each of n suspects; with n_planted, of the first of them by each, (n_planted, n). is_rounded: planted ones
  * have inputs in float32. */
-static void explain(search *s, size_t n, const nqm_suspect *list, size_t n_planted, bool is_rounded, double *left) {
+static void explain(search *s, size_t n, const nqm_conform_suspect *list, size_t n_planted, bool is_rounded,
+                    double *left) {
     const size_t n_sets = s->kit->n_sets, n_left = n * nqm_larger(n_planted, 1);
     s->n = n;
     s->n_planted = n_planted;
@@ -275,12 +276,12 @@ static void explain(search *s, size_t n, const nqm_suspect *list, size_t n_plant
 /* ---- the choice -------------------------------------------------------------------------------------------------- */
 
 static int by_left(const void *a, const void *b) {
-    const nqm_suspect *x = a, *y = b;
+    const nqm_conform_suspect *x = a, *y = b;
     return (x->left > y->left) - (x->left < y->left);
 }
 
 /* Compare and sort them, best first. */
-static void sort_suspects(search *s, size_t n, nqm_suspect *list) {
+static void sort_suspects(search *s, size_t n, nqm_conform_suspect *list) {
     double left[MAX_SUSPECTS];
     explain(s, n, list, 0, false, left);
     for (size_t i = 0; i < n; ++i)
@@ -289,11 +290,11 @@ static void sort_suspects(search *s, size_t n, nqm_suspect *list) {
 }
 
 /* Move the amounts to where least remains; a round number is one of those that are tried. */
-static void refine(search *s, nqm_suspect *best) {
-    for (nqm_flaw *f = best->flaws; f < best->flaws + best->n_flaws; ++f)
+static void refine(search *s, nqm_conform_suspect *best) {
+    for (nqm_conform_flaw *f = best->flaws; f < best->flaws + best->n_flaws; ++f)
         for (double step = 1.5; f->amount != 0 && step > 1.004; step = sqrt(step)) {
             const double amounts[] = {f->amount, nqm_round_digits(f->amount, 2), f->amount * step, f->amount / step};
-            nqm_suspect tries[] = {*best, *best, *best, *best};
+            nqm_conform_suspect tries[] = {*best, *best, *best, *best};
             for (size_t i = 0; i < 4; ++i)
                 tries[i].flaws[f - best->flaws].amount = amounts[i];
             sort_suspects(s, 4, tries);
@@ -302,16 +303,16 @@ static void refine(search *s, nqm_suspect *best) {
 }
 
 /* Whether two suspects with close results have equal values: then nothing can tell one from the other. */
-static bool are_equal(search *s, const nqm_suspect *a, const nqm_suspect *b) {
+static bool are_equal(search *s, const nqm_conform_suspect *a, const nqm_conform_suspect *b) {
     double left[4];
     if (fabs(a->left - b->left) > 1e-4)
         return false;
-    explain(s, 2, (const nqm_suspect[]){*a, *b}, 2, false, left);
+    explain(s, 2, (const nqm_conform_suspect[]){*a, *b}, 2, false, left);
     return left[1] < 1e-5;
 }
 
 /* Report those of the sorted ones that leave less than nine tenths. */
-static void report_different(search *s, size_t n, const nqm_suspect *list, nqm_suspect *found,
+static void report_different(search *s, size_t n, const nqm_conform_suspect *list, nqm_conform_suspect *found,
                              nqm_conform_report *report) {
     for (size_t i = 0; i < n && list[i].left < 0.9 * report->difference && report->n_mistakes < NQM_CONFORM_MISTAKES;
          ++i) {
@@ -331,9 +332,9 @@ static void report_different(search *s, size_t n, const nqm_suspect *list, nqm_s
 }
 
 /* The best suspect with each of the others. */
-static void add_to_each(size_t n, nqm_suspect *list, const nqm_suspect *best) {
+static void add_to_each(size_t n, nqm_conform_suspect *list, const nqm_conform_suspect *best) {
     for (size_t i = 0; i < n; ++i) {
-        const nqm_suspect other = list[i];
+        const nqm_conform_suspect other = list[i];
         list[i] = *best;
         if (best->kind && other.kind && best->kind != other.kind) {
             list[i].flaws[list[i].n_flaws++] = other.flaws[0];
@@ -343,12 +344,13 @@ static void add_to_each(size_t n, nqm_suspect *list, const nqm_suspect *best) {
 }
 
 nqm_status nqm_conform_search(const nqm_conform_kit *kit, const float *values, const nqm_ticker *ticker,
-                              nqm_suspect found[NQM_CONFORM_MISTAKES], nqm_conform_report *report, nqm_error *err) {
+                              nqm_conform_suspect found[NQM_CONFORM_MISTAKES], nqm_conform_report *report,
+                              nqm_error *err) {
     /* A second mistake is looked for where one leaves more than float32 does, and named if it explains most of that. */
     const double noise = 2e-4, explained = 0.3;
     const size_t n_refined = 5;
     search s = {.kit = kit, .values = values, .ticker = *ticker, .err = err};
-    nqm_suspect list[MAX_SUSPECTS], pairs[MAX_SUSPECTS];
+    nqm_conform_suspect list[MAX_SUSPECTS], pairs[MAX_SUSPECTS];
     const size_t n = list_suspects(kit, list);
     memcpy(pairs, list, n * sizeof *list);
     sort_suspects(&s, n, list);
@@ -376,7 +378,7 @@ nqm_status nqm_conform_search(const nqm_conform_kit *kit, const float *values, c
 /* ---- the proof --------------------------------------------------------------------------------------------------- */
 
 /* Count the planted mistakes that are found. left (n, n): what remains of each by each. */
-static void count_found(const nqm_conform_kit *kit, size_t n, const nqm_suspect *list, const double *left,
+static void count_found(const nqm_conform_kit *kit, size_t n, const nqm_conform_suspect *list, const double *left,
                         nqm_conform_proof *proof) {
     const double noticed = 1e-4;
     for (size_t t = 1; t < n; ++t) {
@@ -399,7 +401,7 @@ nqm_status nqm_conform_prove(const nqm_conform_kit *kit, nqm_progress_fn progres
                              nqm_error *err) {
     NQM_REQUIRE(err, kit, proof);
     search s = {.kit = kit, .ticker = {.fn = progress, .user = user}, .err = err};
-    nqm_suspect list[MAX_SUSPECTS];
+    nqm_conform_suspect list[MAX_SUSPECTS];
     const size_t n = list_suspects(kit, list), n_values = 3 * kit->n_sets * kit->n_directions;
     nqm_conform_report report;
     nqm_score_result *results;

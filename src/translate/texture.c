@@ -307,7 +307,8 @@ static nqm_status translate(texture_run *run, nqm_error *err) {
 
 nqm_status nqm_translate_texture(const nqm_texture *ref, const char *path, const char *name, const nqm_match_loss *loss,
                                  const nqm_fit_options *options, nqm_translation *result, nqm_error *err) {
-    NQM_REQUIRE(err, ref, path, name, loss, loss->text, loss->metric, result);
+    NQM_REQUIRE(err, ref, path, name, loss, result);
+    NQM_REQUIRE(err, loss->text, loss->metric);
     const nqm_fit_options defaults = nqm_fit_options_default();
     *result = (nqm_translation){.dropped = ""};
     if (!nqm_name_ends_in(path, ".gltf"))

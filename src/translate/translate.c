@@ -57,7 +57,8 @@ static bool copy_values(const nqm_brdf *ref, const nqm_schema *schema, nqm_trans
 
 nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
                          const nqm_fit_options *options, nqm_translation *result, nqm_error *err) {
-    NQM_REQUIRE(err, ref, model, loss, loss->text, loss->metric, result);
+    NQM_REQUIRE(err, ref, model, loss, result);
+    NQM_REQUIRE(err, loss->text, loss->metric);
     nqm_fit_options fit = options ? *options : nqm_fit_options_default();
     const nqm_schema *schema;
     nqm_brdf *brdf = NULL;

@@ -2,14 +2,21 @@
  *
  * nqm conform - does a shader implement its specification, and which mistake does it make?
  */
-#include "math/math.h"
-#include "nqm/conform/conform.h"
+#include "io/io.h"
 #include "nqm/score/batch.h"
+#include <nqm/conform.h>
 #include <nqm/translate.h>
 
+#include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 
 static const char *junit, *markdown;
 
@@ -79,10 +86,11 @@ static json_t *json_mistakes(const nqm_conform_report *r) {
 static json_t *json_facts(const nqm_conform_report *r, size_t n_directions) {
     static const char *const names[] = {"red", "green", "blue"};
     const nqm_conform_largest *l = &r->largest;
+    const double pi = 3.14159265358979323846;
     double deg[4];
     json_t *facts = json_object();
     for (size_t a = 0; a < 4; ++a)
-        deg[a] = l->angles_rad[a] * 180 / NQM_PI;
+        deg[a] = l->angles_rad[a] * 180 / pi;
     if (*r->sets)
         json_set(facts, "sets:{text:s}", r->sets);
     if (*r->angles)
@@ -161,11 +169,138 @@ static void report_values(const score_run *run) {
         report(EXIT_OK, "%zu values have a negative channel, which counts as 0", n_clamped);
 }
 
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+static size_t count_rows(const nqm_conform_info *kit) {
+    return kit->n_sets * kit->n_directions;
+}
+
+static _Noreturn void stop_count(const nqm_conform_info *kit, const char *name, size_t n) {
+    stop(EXIT_INCOMPATIBLE,
+         "%s has %zu values, and the kit has %zu rows: %zu sets of %zu directions; give the same --keys", name, n,
+         count_rows(kit), kit->n_sets, kit->n_directions);
+}
+
+/* A field as shaders print it: also nan, inf and -nan(ind), which are no value. */
+static float read_field(const nqm_csv *csv, size_t row, int column) {
+    const char *text = nqm_csv_text(csv, row, column);
+    const char *word = text + (*text == '-' || *text == '+');
+    double value;
+    const bool is_nan = strncasecmp(word, "nan", 3) == 0 && (!word[3] || word[3] == '(');
+    if (is_nan || strcasecmp(word, "inf") == 0 || strcasecmp(word, "infinity") == 0)
+        return NAN;
+    must(nqm_csv_number(csv, row, column, &value, &fault));
+    return (float)value;
+}
+
+static void read_csv(const nqm_conform_info *kit, const nqm_map *map, const char *name, float *values) {
+    nqm_csv *csv;
+    must(nqm_csv_parse((const char *)map->data, map->n_bytes, name, &csv, &fault));
+    const int column[3] = {nqm_csv_column(csv, "r"), nqm_csv_column(csv, "g"), nqm_csv_column(csv, "b")};
+    if (column[0] < 0 || column[1] < 0 || column[2] < 0)
+        stop(EXIT_MALFORMED, "%s: line 1 must name the columns r, g and b", name);
+    if (nqm_csv_rows(csv) != count_rows(kit))
+        stop_count(kit, name, nqm_csv_rows(csv));
+    for (size_t row = 0; row < count_rows(kit); ++row)
+        for (size_t c = 0; c < 3; ++c)
+            values[3 * row + c] = read_field(csv, row, column[c]);
+    nqm_csv_free(csv);
+}
+
+static void read_npy(const nqm_conform_info *kit, const nqm_map *map, float *values) {
+    nqm_tensor tensor;
+    must(nqm_npy_parse(map, &tensor, &fault));
+    const size_t n = nqm_tensor_count(&tensor), n_each = nqm_dtype_size(tensor.dtype);
+    const unsigned char *data = tensor.data;
+    if (n != 3 * count_rows(kit) || tensor.n_dims < 2 || tensor.dims[tensor.n_dims - 1] != 3)
+        stop_count(kit, map->path, n / 3);
+    for (size_t i = 0; i < n; ++i)
+        values[i] = n_each == 4 ? nqm_load_f32(data + 4 * i) : (float)nqm_load_f64(data + 8 * i);
+}
+
+static float *read_file(const nqm_conform_info *kit, const char *path, const char *name) {
+    nqm_map map;
+    float *values = allocate(3 * count_rows(kit), sizeof *values);
+    must(nqm_map_open(path, &map, &fault));
+    if (nqm_npy_probe(&map))
+        read_npy(kit, &map, values);
+    else
+        read_csv(kit, &map, name, values);
+    nqm_map_close(&map);
+    return values;
+}
+
+/* Values of all sets, (n_sets, n_directions, 3) float; free() it. path: a CSV with the columns r, g, b, or an array of NumPy. */
+static float *read_results(const nqm_conform_info *kit, const char *path) {
+    const char *stream = stream_name(path, &(size_t){0});
+    return read_file(kit, path, *stream ? stream : path);
+}
+
+/* ---- a command --------------------------------------------------------------------------------------------------- */
+
+static pid_t start(const char *line, FILE *in, FILE *out) {
+    const pid_t child = fork();
+    if (child > 0)
+        setpgid(child, child);
+    if (child != 0)
+        return child;
+    setpgid(0, 0); /* Ctrl-C ends all that the shell has started */
+    dup2(fileno(in), STDIN_FILENO);
+    dup2(fileno(out), STDOUT_FILENO);
+    execl("/bin/sh", "sh", "-c", line, (char *)NULL);
+    _exit(127);
+}
+
+/* Wait for a command, and end it at Ctrl-C, or when its output is longer than any list of values. A command that does not end when it
+ * is asked to is killed. Returns its status. */
+static int await(pid_t child, FILE *out, size_t n_rows) {
+    enum { STEP_NS = 10000000, PATIENCE = 15 };
+    const off_t most = (off_t)(1 << 20) + (off_t)n_rows * 256;
+    size_t n_asked = 0;
+    int status = 0;
+    struct stat st;
+    note_child(child);
+    while (waitpid(child, &status, WNOHANG) == 0) { /* any thread may get the signal of Ctrl-C */
+        const bool is_long = fstat(fileno(out), &st) == 0 && st.st_size > most;
+        if (interrupted() || is_long)
+            kill(-child, n_asked++ < PATIENCE ? SIGTERM : SIGKILL);
+        nanosleep(&(struct timespec){.tv_nsec = STEP_NS}, NULL);
+    }
+    note_child(0);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (fstat(fileno(out), &st) == 0 && st.st_size > most)
+        stop(EXIT_LIMIT, "the command has printed more than %lld bytes, and %zu rows of r,g,b are wanted",
+             (long long)most, n_rows);
+    return status;
+}
+
+/* The same from a command of the shell, which gets the rows of the kit and prints such a CSV. */
+static float *run_command(const nqm_conform_kit *kit, const nqm_conform_info *info, const char *line) {
+    FILE *in = tmpfile(), *out = tmpfile();
+    char path[32];
+    if (!in || !out)
+        stop(EXIT_OPEN, "--command needs a folder for temporary files: %s", strerror(errno));
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(in));
+    must(nqm_conform_kit_write(kit, "csv", path, &fault));
+    const pid_t child = start(line, in, out);
+    if (child < 0)
+        stop(EXIT_LIMIT, "the command cannot be started: %s", strerror(errno));
+    const int status = await(child, out, count_rows(info));
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line, WIFEXITED(status) ? "exit code" : "signal",
+             WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(out));
+    float *values = read_file(info, path, "the output of the command");
+    fclose(in);
+    fclose(out);
+    return values;
+}
+
 /* ---- --self ------------------------------------------------------------------------------------------------------ */
 
 /* Print the proof of the kit. Returns the exit code. */
-static int prove_kit(const nqm_conform_kit *kit, result_format format) {
-    const nqm_conform_info info = nqm_conform_kit_get_info(kit);
+static int prove_kit(const nqm_conform_kit *kit, const nqm_conform_info *info, result_format format) {
     nqm_conform_proof proof;
     must(nqm_conform_prove(kit, show_progress, NULL, &proof, &fault));
     end_progress();
@@ -174,7 +309,7 @@ static int prove_kit(const nqm_conform_kit *kit, result_format format) {
         json_array_append_new(missed, json_string(line));
     json_t *document = json_row("model:s sets:z directions:z lowest_jod:f mistakes:z named_first:z named_in_three:z "
                                 "not_first:o passes:b",
-                                info.model, info.n_sets, info.n_directions, proof.lowest_jod, proof.n_mistakes,
+                                info->model, info->n_sets, info->n_directions, proof.lowest_jod, proof.n_mistakes,
                                 proof.n_first, proof.n_three, missed, proof.passes);
     if (format == FORMAT_JSON)
         print_document(document);
@@ -246,7 +381,6 @@ static void name_models(void) {
 static int compare(const nqm_conform_kit *kit, const char *name, const float *values) {
     conform_result *r = &result;
     row_summary s;
-    r->kit = nqm_conform_kit_get_info(kit);
     nqm_score_result *results = allocate(r->kit.n_sets, sizeof *results);
     must(nqm_conform_compare(kit, values, show_progress, NULL, results, &r->report, &fault));
     end_progress();
@@ -259,9 +393,6 @@ static int compare(const nqm_conform_kit *kit, const char *name, const float *va
     report_values(&r->run);
     const int exit_code = apply_gate(&r->run, report_faults(&r->run));
     free_row_summary(&s);
-    for (size_t set = 0; set < r->run.n_rows; ++set)
-        free((char *)r->run.rows[set].name);
-    free(r->run.rows);
     free(results);
     return exit_code;
 }
@@ -274,22 +405,21 @@ int cmd_conform(int argc, char **argv) {
     int exit_code = EXIT_OK;
     result.run.model = open_model(NULL);
     must(nqm_conform_kit_create(argv[0], keys, result.run.model, &kit, &fault));
+    const nqm_conform_info *info = &result.kit;
+    result.kit = nqm_conform_kit_get_info(kit);
     if (rows)
         must(nqm_conform_kit_write(kit, "csv", output_path(rows), &fault));
     if (shader)
         must(nqm_conform_kit_write(kit, strrchr(shader, '.') ? NULL : "glsl", output_path(shader), &fault));
     if (is_self)
-        exit_code = prove_kit(kit, result.run.format);
+        exit_code = prove_kit(kit, info, result.run.format);
     if (shell || n_arguments == 2) {
-        float *values = shell ? run_command(kit, shell) : read_results(kit, input_path(argv[1]));
+        float *values = shell ? run_command(kit, info, shell) : read_results(info, input_path(argv[1]));
         exit_code = compare(kit, shell ? shell : argv[1], values);
         free(values);
     }
-    if (rows || shader) {
-        const nqm_conform_info info = nqm_conform_kit_get_info(kit);
-        report(EXIT_OK, "%zu sets of %zu directions: %zu values", info.n_sets, info.n_directions,
-               info.n_sets * info.n_directions);
-    }
+    if (rows || shader)
+        report(EXIT_OK, "%zu sets of %zu directions: %zu values", info->n_sets, info->n_directions, count_rows(info));
     nqm_conform_kit_free(kit);
     nqm_model_free(result.run.model);
     return exit_code;
