@@ -13,6 +13,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_sam
                      "half_diff_to_directions", "directions_to_half_diff", "Directions")),
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
           ("Textures", ("score_maps", "MapScore", "Blame", "Material", "MapsInfo")),
+          ("Libraries of materials", ("dedup", "nearest", "diff", "Change")),
           ("Fits", ("fit", "Fit", "fit_models")),
           ("Tests of shaders", ("conform", "Conformance", "Mistake")),
           ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),

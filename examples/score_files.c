@@ -22,7 +22,7 @@ int main(int argc, char **argv) {
     nqm_score_result results[MAX_TESTS];
 
     /* Every function that can fail returns a status, NQM_OK = 0, and explains a failure in err. */
-    nqm_status status = nqm_model_builtin("default", &model, &err);
+    nqm_status status = nqm_model_load("default", &model, &err);
     if (status == NQM_OK)
         status = nqm_brdf_open(argv[1], &ref, &err);
     for (size_t i = 0; i < n && status == NQM_OK; ++i)

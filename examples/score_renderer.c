@@ -44,7 +44,7 @@ int main(void) {
              exact.exponent);
     /* 1. The renderer's BRDF through callbacks. evaluate() keeps no state, so threads may call it concurrently. */
     nqm_brdf_callbacks callbacks = {.eval = evaluate, .user = &rounded, .name = "rounded", .reciprocal = 1};
-    nqm_status status = nqm_model_builtin("default", &model, &err);
+    nqm_status status = nqm_model_load("default", &model, &err);
     if (status == NQM_OK)
         status = nqm_brdf_open(spec, &ref, &err);
     if (status == NQM_OK)
@@ -55,8 +55,8 @@ int main(void) {
     /* 2. The same values, sampled by this program: (n, 3) floats for each BRDF. */
     if (status == NQM_OK) {
         const nqm_directions *directions = nqm_model_get_info(model).directions;
-        size_t n = nqm_directions_count(directions);
-        const double *degrees = nqm_directions_degrees(directions); /* (n, 3) theta_h, theta_d, phi_d */
+        size_t n = nqm_directions_get_info(directions).n;
+        const double *degrees = nqm_directions_get_info(directions).degrees; /* (n, 3) theta_h, theta_d, phi_d */
         samples = malloc(2 * n * 3 * sizeof *samples);
         for (size_t i = 0; i < n && samples; ++i) {
             double hd[3], wi[3], wo[3], rgb[2][3];

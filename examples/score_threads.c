@@ -45,7 +45,7 @@ int main(void) {
     pthread_t threads[N_THREADS];
     int failed = 0;
 
-    if (nqm_model_builtin("default", &model, &err) || nqm_brdf_open("sgd:nickel", &ref, &err)) {
+    if (nqm_model_load("default", &model, &err) || nqm_brdf_open("sgd:nickel", &ref, &err)) {
         fprintf(stderr, "score_threads: %s\n", err.message);
         nqm_model_free(model);
         return 1;

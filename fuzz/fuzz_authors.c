@@ -35,7 +35,7 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
     if (!root)
         root = make_folder();
     const int fd = fuzz_file(data, n_bytes, path);
-    const nqm_status status = nqm_dataset_load_authors(root, path, NQM_SPLIT_TEST, &dataset, &err);
+    const nqm_status status = nqm_dataset_load(root, path, NQM_SPLIT_TEST, &dataset, &err);
     must((status == NQM_OK) == (dataset != NULL) && (status == NQM_OK || err.message[0]));
     for (size_t i = 0; dataset && i < nqm_dataset_get_info(dataset).n_pairs; ++i) {
         const nqm_dataset_pair pair = nqm_dataset_get_pair(dataset, i);

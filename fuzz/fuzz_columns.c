@@ -15,8 +15,8 @@ static void read_directions(const char *path) {
         must(!directions && err.message[0]);
         return;
     }
-    const size_t n = nqm_directions_count(directions);
-    const double *degrees = nqm_directions_degrees(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
+    const double *degrees = nqm_directions_get_info(directions).degrees;
     must(n > 0);
     for (size_t i = 0; i < n; ++i)
         must(degrees[3 * i] >= 0 && degrees[3 * i] <= 90 && degrees[3 * i + 1] >= 0 && degrees[3 * i + 1] <= 90 &&

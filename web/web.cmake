@@ -19,7 +19,7 @@ target_compile_definitions(nqm_web_parsers PRIVATE HAVE_EXPAT_CONFIG_H HAVE_CONF
 target_compile_options(nqm_web_parsers PRIVATE -w -Wno-error)
 
 set(nqm_sources src/encode/draw.c)
-foreach(room base math kernel io schema material brdf net percept sample model lobes metric texture pairs fit translate render label)
+foreach(room base math kernel io schema material brdf argument net percept sample model lobes metric texture pairs fit translate render label)
   file(GLOB_RECURSE room_sources CONFIGURE_DEPENDS src/${room}/*.c)
   list(APPEND nqm_sources ${room_sources})
 endforeach()

@@ -15,11 +15,10 @@
  *    functions that return a status name the first and return NQM_ERR_ARG. The others have no way to fail, and a made-up result would
  *    hide the fault of the program: they stop by an assertion that names it, and crash if the library was built with NDEBUG. They are
  *    nqm_brdf_get_info, nqm_brdf_eval, nqm_brdf_eval_half_diff, nqm_brdf_albedo, nqm_half_diff_to_directions,
- *    nqm_directions_to_half_diff, nqm_directions_count, nqm_directions_degrees, nqm_directions_wi, nqm_directions_wo, nqm_directions_id,
- *    nqm_dataset_get_info, nqm_dataset_get_pair, nqm_fit_model_has, nqm_materials_count, nqm_materials_get, nqm_model_get_info,
- *    nqm_texture_get_info, nqm_scene_count, nqm_scene_weights, nqm_scene_pixels, nqm_scene_compare, nqm_scene_delta_e_map,
- *    nqm_delta_e_itp, nqm_curve_jod, nqm_label_adapted_jod, nqm_label_jod_error, nqm_label_describe, nqm_conform_kit_get_info and
- *    nqm_conform_kit_get_set.
+ *    nqm_directions_to_half_diff, nqm_directions_get_info, nqm_directions_id, nqm_dataset_get_info, nqm_dataset_get_pair,
+ *    nqm_materials_count, nqm_materials_get, nqm_model_get_info, nqm_texture_get_info, nqm_scene_get_info, nqm_scene_compare,
+ *    nqm_curve_jod, nqm_label_get_info, nqm_pairs_remarks, nqm_verdict,
+ *    nqm_conform_kit_get_info and nqm_conform_kit_get_set.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
  *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other
@@ -103,17 +102,6 @@ typedef enum nqm_precision {
     NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8-bit significand), to nearest even */
     NQM_PRECISION_COUNT
 } nqm_precision;
-/** "f32", "bf16"; static storage; NULL for any other value. */
-NQM_API const char *nqm_precision_name(nqm_precision precision);
-/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, the widest
- *  instructions first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and
- *  the reference for the others. */
-NQM_API const char *nqm_kernels_name(size_t i);
-/** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the first. NQM_ERR_ARG when this
- *  processor does not support it. Do not call it while another thread computes. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
-/** The name of the kernel set in use. */
-NQM_API const char *nqm_kernels_selected(void);
 
 /** Read only files inside of a folder from now on, in the whole process: for services, whose users upload materials that may name
  *  any file as a map. Links are followed first. What lies outside, standard input and devices give NQM_ERR_IO; models that are

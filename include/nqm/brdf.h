@@ -53,7 +53,7 @@ typedef struct nqm_brdf_info {
  * The format of a file is recognised by its first bytes or its size, not by its name:
  *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf`, UTIA `.bin`, polarimetric `.pbsdf`
  *    (its unpolarised part), NBRDF `.h5` or six `.npy` or their folder, a table `.npy`, a CSV of directions and values, a BSDF table of
- *    Zemax, a `.mat` of the paper's authors, a file of nqm_brdf_save();
+ *    Zemax, a `.mat` of the paper's authors, a safetensors file of nqm_brdf_write();
  *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
  *    is grey; without a suffix E;
  *  - `FILE.csv:DEGREES`: a CSV (or another list) of scattered directions: no value (NQM_VALUE_INVALID) at pairs further than this from every row;
@@ -126,7 +126,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_create(const nqm_brdf_callbacks *call
  *     theta_d of node j = j / (n_theta_d - 1) pi/2
  *     phi_d   of node k = k / n_phi_d pi                  (periodic)
  *
- * nqm_brdf_save() writes it, nqm_brdf_open() reads it back to the same values. Linear interpolation is done in
+ * nqm_brdf_write() writes it, nqm_brdf_open() reads it back to the same values. Linear interpolation is done in
  * sqrt(theta_h), theta_d and phi_d. Negative channels are allowed and flagged NQM_VALUE_CLAMPED at evaluation.
  *
  * @param n_theta_h, n_theta_d  nodes, >= 2
@@ -203,50 +203,35 @@ NQM_API void nqm_half_diff_to_directions(const double *hd, double *wi, double *w
 NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd);
 
 /** Files that nqm_brdf_write() writes (doc/files.md). */
-typedef enum nqm_table_format {
-    NQM_TABLE_MERL = 0, /**< MERL `.binary`, 90 x 90 x 180 cells: f_r at phi_d in [0, pi), which makes it reciprocal */
-    NQM_TABLE_MERL_360 = 1, /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
-    NQM_TABLE_NPY =
-        2 /**< `.npy` of NumPy, float32 (n_theta_h, n_theta_d, n_phi_d, 3), or n_phi_h before the 3 if it is anisotropic: the nodes
-                       *   of a BRDF whose format is "table", otherwise 90 x 46 x 24 (x 48) nodes as of nqm_brdf_create_table(), NaN
-                       *   where there is no value; phi_h of node m = m / n_phi_h 2 pi */
-} nqm_table_format;
+typedef enum nqm_file_format {
+    NQM_FILE_MERL = 0, /**< MERL `.binary`, 90 x 90 x 180 cells: f_r at phi_d in [0, pi), which makes it reciprocal */
+    NQM_FILE_MERL_360, /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
+    /** `.npy` of NumPy, float32 (n_theta_h, n_theta_d, n_phi_d, 3), or n_phi_h before the 3 if it is anisotropic: the nodes of a BRDF
+     *  whose format is "table", otherwise 90 x 46 x 24 (x 48) nodes as of nqm_brdf_create_table(), NaN where there is no value; phi_h of
+     *  node m = m / n_phi_h 2 pi */
+    NQM_FILE_NPY,
+    /** safetensors, of a BRDF whose format is "nbrdf" (a small network) or "table"; it opens to the same values */
+    NQM_FILE_SAFETENSORS,
+    /** material file of a renderer with one material, of a shading model that the format has; the extension selects the format. It
+     *  opens to the same BRDF within the precision of the format */
+    NQM_FILE_MATERIAL
+} nqm_file_format;
 
 /**
- * Write any BRDF as a table. MERL: f_r at the centres of the cells, -1 in cells that are invalid or below the horizon.
- * nqm_brdf_open() reads the file. It appears under its name only when complete.
+ * Write a BRDF to a file, which nqm_brdf_open() reads. MERL: f_r at the centres of the cells, -1 in cells that are invalid or below
+ * the horizon. The file appears under its name only when complete.
  *
- * @param progress       may be NULL
+ * @param name           of a material: letters, digits and '_'; other characters are replaced by '_'; NULL: "material"
+ * @param progress       of MERL files; may be NULL
  * @param progress_user  passed to `progress`
- * @return NQM_ERR_ARG (unknown format, or MERL for an anisotropic BRDF), NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`), NQM_ERR_NOMEM
+ * @return NQM_ERR_ARG (unknown format, MERL for an anisotropic BRDF, or a BRDF, an extension or a shading model that the format does not
+ *         have), NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path,
-                                                 nqm_progress_fn progress, void *progress_user, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_file_format format, const char *name,
+                                                 const char *path, nqm_progress_fn progress, void *progress_user,
+                                                 nqm_error *err);
 
-/**
- * Write a material file with one material. The file appears under its name only when complete; nqm_brdf_open() reads it back to
- * the same BRDF within the precision of the format.
- *
- * @param spec  of a shading model that the format has; nqm_brdf_open() takes it, too
- * @param name  of the material: letters, digits and '_'; other characters are replaced by '_'
- * @param path  its extension selects the format
- * @return NQM_ERR_ARG (unknown extension, or a model that the format does not have; the message lists both; or a key or value that is
- *         none of the model), NQM_ERR_IO, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path,
-                                                     nqm_error *err);
-
-/**
- * Write a BRDF whose format is "nbrdf" (a small network) or "table" as a safetensors file (doc/files.md);
- * nqm_brdf_open() reads it back to the same values. The other formats have a spec or a file already.
- *
- * @return NQM_ERR_ARG (another format), NQM_ERR_IO
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err);
-
-/** Number of built-in presets ("sgd:nickel", ...). */
-NQM_API size_t nqm_brdf_preset_count(void);
-/** Name of preset i, i < nqm_brdf_preset_count(); static storage. */
+/** Name of built-in preset i ("sgd:nickel", ...), NULL after the last; static storage. */
 NQM_API const char *nqm_brdf_preset_name(size_t i);
 
 /** Physical plausibility of a BRDF, from nqm_brdf_check(). */

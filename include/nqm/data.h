@@ -28,25 +28,24 @@ typedef struct nqm_dataset_info {
     const nqm_directions *directions;
 } nqm_dataset_info;
 
-/** Load nqm's own dataset file (safetensors; doc/files.md). NQM_ERR_IO, NQM_ERR_FORMAT, NQM_ERR_NOMEM; free with
- *  nqm_dataset_free(). */
-NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_error *err);
-
 /**
- * Read the authors' layout (github.com/behnazkavoosi/neural-brdf-quality-metric): a CSV
- * `material,model,level,DeltaE,JOD,class` (`class` is ignored) and for each of its rows, whose `material` is NAME, the files
- * ROOT/ref/NAME.mat and ROOT/model/NAME.mat (MAT v5; r, g, b 500x1 and random_locations 500x3 in degrees, the same in all
- * files). NAME is a material and a running number, "brass_12": rows that differ in the number only form one material group.
- * ROOT/ref/brass.mat may be the reference of all of them. Equal references of a material are kept once. The kinds are the
- * models, "sbrdf" and "hbrdf" with their level, of which 0 is the finest: "ward", "sbrdf.0", "sbrdf.2". Negative values are
- * read as 0; the manifest says how many there were.
+ * Load a dataset file of nqm (safetensors; doc/files.md), or the folder of the paper's authors.
  *
- * @param split  the split of every row; NQM_SPLIT_ALL: training rows, from which the training options draw validation pairs
- * @return NQM_ERR_IO, NQM_ERR_FORMAT, NQM_ERR_INCOMPATIBLE (other directions in one of the files), NQM_ERR_LIMIT (more than
+ * The authors' layout (github.com/behnazkavoosi/neural-brdf-quality-metric) is a CSV `material,model,level,DeltaE,JOD,class` (`class`
+ * is ignored) and for each of its rows, whose `material` is NAME, the files PATH/ref/NAME.mat and PATH/model/NAME.mat (MAT v5; r, g,
+ * b 500x1 and random_locations 500x3 in degrees, the same in all files). NAME is a material and a running number, "brass_12": rows
+ * that differ in the number only form one material group. PATH/ref/brass.mat may be the reference of all of them. Equal references of
+ * a material are kept once. The kinds are the models, "sbrdf" and "hbrdf" with their level, of which 0 is the finest: "ward",
+ * "sbrdf.0", "sbrdf.2". Negative values are read as 0; the manifest says how many there were.
+ *
+ * @param labels_csv   NULL: `path` is a dataset file; otherwise a folder in the authors' layout with these labels
+ * @param split        of every row of such labels; NQM_SPLIT_ALL: training rows, from which the training options draw validation pairs
+ * @param dataset_ret  free with nqm_dataset_free()
+ * @return NQM_ERR_IO, NQM_ERR_FORMAT, NQM_ERR_INCOMPATIBLE (other directions in one of the files of a folder), NQM_ERR_LIMIT (more than
  *         100,000 directions), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load_authors(const char *root, const char *labels_csv, nqm_split split,
-                                                           nqm_dataset **dataset_ret, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, const char *labels_csv, nqm_split split,
+                                                   nqm_dataset **dataset_ret, nqm_error *err);
 /** Free a dataset; NULL is allowed. */
 NQM_API void nqm_dataset_free(nqm_dataset *dataset);
 /** Facts about `dataset`. */

@@ -91,7 +91,7 @@ NQM_API nqm_fit_options nqm_fit_options_default(void);
 
 typedef struct nqm_fit_report {
     char spec
-        [2048]; /**< analytic and shading models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
+        [2048]; /**< analytic and shading models: the result as a spec for nqm_brdf_open(); otherwise "": NQM_FILE_SAFETENSORS */
     double
         loss; /**< analytic models: value of the loss, or of the sum of the terms; networks: mean absolute difference of
                               log(1 + cos(theta_i) f_r); sparse codes: mean absolute difference of log(1 + c f_r) */
@@ -107,41 +107,10 @@ typedef struct nqm_fit_report {
  * the levels of the authors' files: 0 is the finest. Further ones follow: "sparse-low", "sparse-mid", "sparse-high" (4, 8
  * and 32 atoms), "hyper-low", "hyper-mid", "hyper-high" (12, 64 and 400 samples), and the analytic models "ward-duer",
  * "blinn-phong", "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (the microfacet model of Low et al. 2012),
- * "smooth" (their smooth-surface model).
+ * "smooth" (their smooth-surface model). The shading models of renderers' materials (doc/materials.md) are the last ones.
  */
 NQM_API const char *nqm_fit_model(size_t i);
-enum { NQM_FIT_N_ENCODINGS = 9 };
-/** Name of shading model i, NULL after the last: the models of renderers' materials (doc/materials.md), which are not in the list
- *  above. */
-NQM_API const char *nqm_fit_shading(size_t i);
-/** 1 if `key` is a lobe parameter of the analytic model `name` or a key of the shading model `name`, which
- *  nqm_fit_options.bounds can restrict; otherwise 0. */
-NQM_API int nqm_fit_model_has(const char *name, const char *key);
-
-/**
- * Fit `model` to `ref`. Levenberg-Marquardt with bounds over all continuous keys minimises the squares of the BRDF-space term
- * with the largest weight (without one: of NQM_FIT_LOG) from several starts. A loss that is not one root mean square is then
- * minimised from the best of them by a quasi-Newton method. The result is deterministic.
- *
- * Analytic models are one lobe with a specular RGB colour over a Lambert base. They start from `n_starts` lobe widths, each
- * with the albedos that are best for it. Shading models start from three roughnesses, without and with metal, and get layers
- * (coat, sheen) where they help; whole-number keys keep the value of `start` or their default; `bounds` apply to any key (low =
- * high fixes it). The spec of the result leaves out keys with their default.
- *
- * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe, and keys of anisotropy
- * have the values of the lobe, which is measured; the result is a `rotate:` of the model, by the azimuth of the lobe,
- * unless a key of the model says that. A start keeps its own anisotropy.
- *
- * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
- *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the
- *                  horizon
- * @param brdf_ret  NULL, or receives the result; free with nqm_brdf_free()
- * @return NQM_ERR_ARG (unknown model, options out of range, bounds that the model does not have), NQM_ERR_INCOMPATIBLE (too
- *         few valid directions), NQM_ERR_MODEL (the build has no dictionary or hypernetwork), NQM_ERR_NUMERIC,
- *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
-                                          nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err);
+enum { NQM_FIT_N_ENCODINGS = 9, NQM_FIT_FIRST_SHADING = 22 };
 
 #ifdef __cplusplus
 }

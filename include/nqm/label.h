@@ -16,9 +16,11 @@ extern "C" {
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
 /** Compare two renderings of the scene, (n_points, 3) cd/m2 each, clipped at the display's peak; points are weighted by
- *  nqm_scene_weights(). label.error is the standard error by the choice of the points, measured between groups of them of two
- *  sizes; where the pictures are smooth, it may be overstated by a factor of four. */
-NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+ *  nqm_scene_info.weights. label.error is the standard error by the choice of the points, measured between groups of them of two
+ *  sizes; where the pictures are smooth, it may be overstated by a factor of four. delta_e: (n_points) receives the Delta-E ITP of each
+ *  point; NULL allowed. */
+NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
+                                    double *delta_e);
 /** A BRDF and what nqm_scene_render_halves() made of it. */
 typedef struct nqm_scene_picture {
     const nqm_brdf *brdf;   /**< NULL: a picture of another origin, which cannot be rendered again */
@@ -38,9 +40,6 @@ typedef struct nqm_scene_picture {
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_label(const nqm_scene *scene, const nqm_scene_picture *ref,
                                                   const nqm_scene_picture *test, nqm_label *label_ret, double *delta_e,
                                                   double *valid_ret, nqm_error *err);
-/** Delta-E ITP of each point: delta_e (n_points). */
-NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
-                                   double *delta_e);
 /** Compare the random pictures of two BRDFs, and differentiate: a loss for training. Noise is common to both pictures: equal values
  *  give exactly 0. Where it makes them differ in shape it adds a little to Delta-E, less with more rays. Any thread.
  *

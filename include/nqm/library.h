@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/library.h - EXPERIMENTAL (may change in any release): many materials at once: which of a folder look the same, which look most
- * like another one, and what changed between two versions.
+ * nqm/library.h - many materials at once: which of a folder look the same, which look most like another one, and what changed between
+ * two versions. NQM_EXPERIMENTAL: it may change in any release.
  */
 #ifndef NQM_LIBRARY_H
 #define NQM_LIBRARY_H

@@ -48,14 +48,28 @@ typedef struct nqm_match_report {
 } nqm_match_report;
 
 /**
- * Fit `model` to `ref` by a loss, as nqm_fit() with the sum as its terms. Encodings have their own losses, and `loss` does not
- * apply.
+ * Fit `model` to `ref` by a loss. Levenberg-Marquardt with bounds over all continuous keys minimises the squares of the BRDF-space
+ * term with the largest weight (without one: of NQM_FIT_LOG) from several starts. A loss that is not one root mean square is then
+ * minimised from the best of them by a quasi-Newton method. The result is deterministic. Encodings have their own losses
+ * (doc/encodings.md), and `loss` does not apply; "nbrdf" trains on 16 times `n_directions` directions, up to the horizon.
  *
- * @param options     NULL: the defaults of nqm_fit_options_default(). `loss` and `terms` are not used
+ * Analytic models are one lobe with a specular RGB colour over a Lambert base. They start from `n_starts` lobe widths, each
+ * with the albedos that are best for it. Shading models start from three roughnesses, without and with metal, and get layers
+ * (coat, sheen) where they help; whole-number keys keep the value of `start` or their default; `bounds` apply to any key (low =
+ * high fixes it). The spec of the result leaves out keys with their default.
+ *
+ * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe, and keys of anisotropy
+ * have the values of the lobe, which is measured; the result is a `rotate:` of the model, by the azimuth of the lobe,
+ * unless a key of the model says that. A start keeps its own anisotropy.
+ *
+ * @param loss        NULL: the `loss` or the `terms` of the options
+ * @param options     NULL: the defaults of nqm_fit_options_default(). Bounds and all about starts apply to analytic models
  * @param report_ret  receives the report
  * @param brdf_ret    NULL, or receives the result; free with nqm_brdf_free()
- * @return as nqm_fit(); NQM_ERR_ARG also for a fault in `text`, whose word the message names, and for a word without its model;
- *         NQM_ERR_INCOMPATIBLE also when `ref` has values at too few directions of a model
+ * @return NQM_ERR_ARG (unknown model, options out of range, bounds that the model does not have, a fault in `text`, whose word the
+ *         message names, a word without its model), NQM_ERR_INCOMPATIBLE (too few valid directions, or `ref` has values at too few
+ *         directions of a model), NQM_ERR_MODEL (the build has no dictionary or hypernetwork), NQM_ERR_NUMERIC, NQM_ERR_CANCELLED,
+ *         NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
                                             const nqm_fit_options *options, nqm_match_report *report_ret,

@@ -29,8 +29,9 @@ typedef struct nqm_material_info {
     const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
     size_t
         n_maps; /**< image maps of a material that nqm_texture_open() takes; 0: none. `refusal` has the property that varies */
-    const char *remark;    /**< what of the file is not used although it may matter, or is assumed; NULL: nothing */
-    const char *unused;    /**< names of what it gives without effect on a BRDF, or on this one: "doubleSided; clearcoatTexture"; NULL: none */
+    const char *remark; /**< what of the file is not used although it may matter, or is assumed; NULL: nothing */
+    const char *
+        unused; /**< names of what it gives without effect on a BRDF, or on this one: "doubleSided; clearcoatTexture"; NULL: none */
     int64_t byte_offset;   /**< position of the material or of the refused property in the file; -1: unknown */
     const char *ignorable; /**< what the surface does besides reflecting, if the material is refused for that alone:
                                 "transmission,opacity"; nqm_brdf_open() takes "ignore:transmission,opacity:FILE:NAME". NULL: not so */

@@ -42,19 +42,6 @@ typedef struct nqm_metric_info {
 
 /** Facts about `metric`, 0 <= metric < NQM_METRIC_COUNT. Any thread. */
 NQM_API nqm_metric_info nqm_metric_get_info(nqm_metric metric);
-/** Its name. */
-NQM_API const char *nqm_metric_name(nqm_metric metric);
-
-/**
- * The scalar metrics of one sampled pair, within 1e-6 relative. Any thread.
- *
- * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0; above 1e15 they count as 1e15
- * @param used       (n) nonzero where the direction counts; NULL: all
- * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref,
-                                                      const float *test, const uint8_t *used, double *metrics,
-                                                      nqm_error *err);
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
@@ -183,7 +170,7 @@ typedef struct nqm_named_pair {
 NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
                                                        nqm_score_result *results, nqm_error *errors, nqm_error *err);
 
-/** Two BRDFs that the caller sampled at the model's directions (nqm_model_get_info(), nqm_directions_degrees()), used
+/** Two BRDFs that the caller sampled at the model's directions (nqm_model_get_info(), nqm_directions_get_info()), used
  *  during the call only. Pairs with the same `ref` pointer share its computations. */
 typedef struct nqm_sample_pair {
     const float *ref, *test; /**< (n_directions, 3) f_r in 1/sr, finite and >= 0; 0 will do where `used` is 0 */

@@ -78,20 +78,14 @@ typedef struct nqm_model_info {
      * 1.96 standard errors of labels near Q. doc/evaluation.md says how all are fitted. */
 } nqm_model_info;
 
-/** Load a model file (safetensors; doc/model-format.md). Checks names, shapes, finiteness and the SHA-256.
- *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
-/** A model from the n_bytes of a model file in memory, which are copied: they may be freed afterwards. The checks and errors of
- *  nqm_model_load() but NQM_ERR_IO; `name` is for messages. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name,
-                                                        nqm_model **model_ret, nqm_error *err);
+/** A built-in model by name ("default"; libnqm-full also has "paper"), or a model file (safetensors; doc/model-format.md), whose
+ *  names, shapes, finiteness and SHA-256 are checked. NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors; a
+ *  word that is neither), NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_error *err);
 /** Write a model file, which appears under its name only when it is complete; a file of that name is replaced.
  *  NQM_ERR_IO, NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
-/** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
-/** Built-in models: how many, and the name of the i-th. */
-NQM_API size_t nqm_model_builtin_count(void);
+/** The name of built-in model i, NULL after the last. */
 NQM_API const char *nqm_model_builtin_name(size_t i);
 /** Free a model; NULL is allowed. */
 NQM_API void nqm_model_free(nqm_model *model);

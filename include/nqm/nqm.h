@@ -13,10 +13,12 @@
 #include <nqm/data.h>
 #include <nqm/fit.h>
 #include <nqm/label.h>
+#include <nqm/library.h>
 #include <nqm/match.h>
 #include <nqm/material.h>
 #include <nqm/metric.h>
 #include <nqm/model.h>
+#include <nqm/pairs.h>
 #include <nqm/percept.h>
 #include <nqm/render.h>
 #include <nqm/samples.h>

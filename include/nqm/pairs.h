@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/pairs.h - EXPERIMENTAL (may change in any release): lists of pairs of BRDFs, files of several materials as pairs, and what is
- * said of a score in words.
+ * nqm/pairs.h - lists of pairs of BRDFs, files of several materials as pairs, and what is said of a score in words.
+ * NQM_EXPERIMENTAL: it may change in any release.
  */
 #ifndef NQM_PAIRS_H
 #define NQM_PAIRS_H
@@ -22,9 +22,8 @@ typedef struct nqm_pairs {
     size_t n_columns;   /**< of a list; else 0 */
     const char *const *columns; /**< (n_columns) names, in the order of the header or of their first appearance */
     const char *sha256;         /**< of the bytes of a list, 64 hex digits; NULL: it is none */
-    const char *
-        left_out; /**< of nqm_pairs_expand(): a message for each material that has no partner, each with its NUL, then an
-                                       empty one; NULL: not expanded */
+    const char *const
+        *left_out; /**< messages of nqm_pairs_expand(), one for each material that has no partner, then NULL */
     struct nqm_pairs_state *state; /**< of the library */
 } nqm_pairs;
 

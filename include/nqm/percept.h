@@ -14,10 +14,6 @@ extern "C" {
 
 /* ---- colour ------------------------------------------------------------------------------------------------------ */
 
-/** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each, linear BT.709 RGB in cd/m2;
- *  negative channels count as 0, channels above 10000 as 10000. */
-NQM_API double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
-
 /* ---- JOD curve --------------------------------------------------------------------------------------------------- */
 
 /** JOD = 10 (1 - 1 / (1 + exp(b1 (-(max(Delta-E, 0)^b3) - b2)))) (paper, eq. 1). */
@@ -55,18 +51,25 @@ typedef struct nqm_label {
     double error;     /**< standard error of delta_e, in its units, >= 0; 0: a prediction, an exact label, or unknown */
 } nqm_label;
 
-/** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_default() at the root mean square
- *  Delta-E ITP that remains after 85 % of the shift is subtracted, sqrt(structure^2 + (0.15 |shift|)^2). Indices of
- *  colour constancy in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). Not fitted to
- *  answers of people: nqm_score_result.similarity is. NaN if a part is NaN. */
-NQM_API double nqm_label_adapted_jod(const nqm_label *label);
-/** Standard error of nqm_curve_default() at delta_e: half of the change of the JOD from delta_e - error to delta_e + error. */
-NQM_API double nqm_label_jod_error(const nqm_label *label);
 enum { NQM_LABEL_TEXT = 160 };
-/** What differs, in words: "darker, a little redder, much flatter", or "no visible difference". A part is mentioned from
- *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Where delta_e > 0 has
- *  a JOD of 9.5 or more, all but "much" is "a little". Returns text. */
-NQM_API const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]);
+
+/** What a label says. */
+typedef struct nqm_label_info {
+    double
+        jod_error; /**< standard error of nqm_curve_default() at delta_e: half of the change of the JOD from delta_e - error to
+                           delta_e + error */
+    /** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_default() at the root mean square
+     *  Delta-E ITP that remains after 85 % of the shift is subtracted, sqrt(structure^2 + (0.15 |shift|)^2). Indices of
+     *  colour constancy in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). Not fitted to
+     *  answers of people: nqm_score_result.similarity is. NaN if a part is NaN. */
+    double adapted_jod;
+    /** What differs: "darker, a little redder, much flatter", or "no visible difference". A part is mentioned from
+     *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Where delta_e > 0 has
+     *  a JOD of 9.5 or more, all but "much" is "a little". */
+    char words[NQM_LABEL_TEXT];
+} nqm_label_info;
+
+NQM_API nqm_label_info nqm_label_get_info(const nqm_label *label);
 
 #ifdef __cplusplus
 }

@@ -81,8 +81,18 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *opti
                                                    nqm_error *err);
 /** Free a scene; NULL is allowed. */
 NQM_API void nqm_scene_free(nqm_scene *scene);
-/** Number of surface points of all frames together. */
-NQM_API size_t nqm_scene_count(const nqm_scene *scene);
+/** The points of a scene; the arrays belong to the scene. */
+typedef struct nqm_scene_info {
+    size_t n_points; /**< surface points of all frames together */
+    /** (n_points) the fraction of the picture that each point represents, summing to 1. Only for the standard set, and for scenes
+     *  of a mesh or blob without a width, whose points are denser in possible highlights; NULL otherwise: all weights are equal. */
+    const double *weights;
+    /** (n_points) (frame * height + y) * width + x with the first row at the top; the scenes of the standard set have n_frames
+     *  frames each, one scene after the other. Only for scenes with a width; NULL otherwise. */
+    const size_t *pixels;
+} nqm_scene_info;
+
+NQM_API nqm_scene_info nqm_scene_get_info(const nqm_scene *scene);
 /** Light reflected at each point towards the viewer: rgb_cdm2 (n_points, 3), linear BT.709 in cd/m2, not clipped. All BRDFs
  *  use the same points and light directions, so that equal BRDFs give bit-identical pictures. Deterministic for any number
  *  of threads. Light at directions where the BRDF has no value (NQM_VALUE_INVALID) is not reflected: the picture is too dark there.
@@ -100,14 +110,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf,
                                                           const nqm_brdf *beside, double *rgb_cdm2, double *valid_ret,
                                                           nqm_error *err);
-/** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for the standard set,
- *  and for scenes of a mesh or blob without a width, whose points are denser in possible highlights; NULL otherwise: all
- *  weights are equal. Owned by the scene. */
-NQM_API const double *nqm_scene_weights(const nqm_scene *scene);
-/** Pixel of each point: (n_points), (frame * height + y) * width + x with the first row at the top; the scenes of the standard
- *  set have n_frames frames each, one scene after the other. Only for scenes with a width; NULL otherwise. Owned by the
- *  scene. */
-NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 
 /* ---- random pictures --------------------------------------------------------------------------------------------- */
 

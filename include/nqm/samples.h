@@ -60,14 +60,16 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_directions_save_csv(const nqm_directions *
 /** Free a set; NULL is allowed. */
 NQM_API void nqm_directions_free(nqm_directions *directions);
 
-/** Number of directions. */
-NQM_API size_t nqm_directions_count(const nqm_directions *directions);
-/** (n, 3) theta_h, theta_d, phi_d in degrees; they belong to the directions. */
-NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
-/** (n, 3) unit vectors to the light, and to the viewer, in the convention of <nqm/brdf.h>; they belong to the directions. */
-NQM_API const double *nqm_directions_wi(const nqm_directions *directions);
-NQM_API const double *nqm_directions_wo(const nqm_directions *directions);
-/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); it belongs to the
+/** A set; the arrays belong to the directions. */
+typedef struct nqm_directions_info {
+    size_t n;              /**< directions */
+    const double *degrees; /**< (n, 3) theta_h, theta_d, phi_d in degrees */
+    const double *wi,
+        *wo; /**< (n, 3) unit vectors to the light, and to the viewer, in the convention of <nqm/brdf.h> */
+} nqm_directions_info;
+
+NQM_API nqm_directions_info nqm_directions_get_info(const nqm_directions *directions);
+/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_info.degrees; it belongs to the
  *  directions. Empty when out of memory. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);
 

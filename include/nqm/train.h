@@ -178,9 +178,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nq
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *dataset,
                                                       int materials_are_new, nqm_model **model_ret,
                                                       nqm_calibration *calibration, nqm_error *err);
-/** A copy of a model whose card ends with `markdown`: results on a test set, for example. NQM_ERR_NOMEM. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown,
-                                                     nqm_model **model_ret, nqm_error *err);
 
 #ifdef __cplusplus
 }

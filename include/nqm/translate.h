@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. In
- * libnqm-full only. Any thread. NQM_EXPERIMENTAL.
+ * nqm/translate.h - materials as materials of another shading model: shared properties are copied, the others fitted. NQM_EXPERIMENTAL.
+ * In libnqm-full only. Any thread.
  */
 #ifndef NQM_TRANSLATE_H
 #define NQM_TRANSLATE_H

@@ -18,6 +18,7 @@ from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, Materia
 from ._call import Error
 from ._conform import Conformance, Mistake, conform
 from ._data import Dataset
+from ._find import Change, dedup, diff, nearest
 from ._fit import Fit, fit, fit_models
 from ._metric import Metric, batch, expand_pairs, metrics
 from ._scene import Label, Rays, Scene, label, render, srgb
@@ -31,6 +32,7 @@ __version__ = VERSION
 __all__ = [
     "score", "score_many", "batch", "expand_pairs", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
+    "dedup", "nearest", "diff", "Change",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
     "conform", "Conformance", "Mistake",

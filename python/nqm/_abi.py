@@ -77,12 +77,14 @@ class BrdfCallbacks(Structure):
     ]
 
 
-class TableFormat(enum.IntEnum):
-    """`nqm_table_format`"""
+class FileFormat(enum.IntEnum):
+    """`nqm_file_format`"""
 
     MERL = 0
     MERL_360 = 1
     NPY = 2
+    SAFETENSORS = 3
+    MATERIAL = 4
 
 
 class BrdfCheckReport(Structure):
@@ -123,6 +125,15 @@ class DirectionsOptions(Structure):
         ("oversampling", c_double),
         ("progress", Progress),
         ("progress_user", c_void_p),
+    ]
+
+
+class DirectionsInfo(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("degrees", c_void_p),
+        ("wi", c_void_p),
+        ("wo", c_void_p),
     ]
 
 
@@ -237,6 +248,14 @@ class Label(Structure):
 
 
 LABEL_TEXT = 160
+
+
+class LabelInfo(Structure):
+    _fields_ = [
+        ("jod_error", c_double),
+        ("adapted_jod", c_double),
+        ("words", c_char * 160),
+    ]
 
 
 class Metric(enum.IntEnum):
@@ -461,6 +480,14 @@ class SceneOptions(Structure):
     ]
 
 
+class SceneInfo(Structure):
+    _fields_ = [
+        ("n_points", c_size_t),
+        ("weights", c_void_p),
+        ("pixels", c_void_p),
+    ]
+
+
 class Rays(Structure):
     _fields_ = [
         ("n", c_size_t),
@@ -591,6 +618,7 @@ class FitReport(Structure):
 
 
 FIT_N_ENCODINGS = 9
+FIT_FIRST_SHADING = 22
 
 
 class TextureInfo(Structure):
@@ -763,6 +791,24 @@ class MaterialInfo(Structure):
     ]
 
 
+class Pairs(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("pairs", POINTER(NamedPair)),
+        ("names", c_void_p),
+        ("rows", c_void_p),
+        ("n_columns", c_size_t),
+        ("columns", c_void_p),
+        ("sha256", c_char_p),
+        ("left_out", c_void_p),
+        ("state", c_void_p),
+    ]
+
+
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
+
+
 class Schedule(enum.IntEnum):
     """`nqm_schedule`"""
 
@@ -925,33 +971,11 @@ class TranslateModel(Structure):
     ]
 
 
-class Pairs(Structure):
-    _fields_ = [
-        ("n", c_size_t),
-        ("pairs", POINTER(NamedPair)),
-        ("names", c_void_p),
-        ("rows", c_void_p),
-        ("n_columns", c_size_t),
-        ("columns", c_void_p),
-        ("sha256", c_char_p),
-        ("left_out", c_char_p),
-        ("state", c_void_p),
-    ]
-
-
-REMARKS_TEXT = 9000
-VERDICT_TEXT = 64
-
-
 #: name: (result, arguments)
 FUNCTIONS = {
     "nqm_status_text": (c_char_p, [c_int]),
     "nqm_version": (c_char_p, []),
     "nqm_build_info": (c_char_p, []),
-    "nqm_precision_name": (c_char_p, [c_int]),
-    "nqm_kernels_name": (c_char_p, [c_size_t]),
-    "nqm_kernels_select": (c_int, [c_char_p, POINTER(Error)]),
-    "nqm_kernels_selected": (c_char_p, []),
     "nqm_files_within": (c_int, [c_char_p, POINTER(Error)]),
     "nqm_brdf_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_brdf_create": (c_int, [POINTER(BrdfCallbacks), c_void_p, POINTER(Error)]),
@@ -963,10 +987,7 @@ FUNCTIONS = {
     "nqm_brdf_jacobian": (c_int, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_half_diff_to_directions": (None, [c_void_p, c_void_p, c_void_p]),
     "nqm_directions_to_half_diff": (None, [c_void_p, c_void_p, c_void_p]),
-    "nqm_brdf_write": (c_int, [c_void_p, c_int, c_char_p, Progress, c_void_p, POINTER(Error)]),
-    "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, POINTER(Error)]),
-    "nqm_brdf_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_brdf_preset_count": (c_size_t, []),
+    "nqm_brdf_write": (c_int, [c_void_p, c_int, c_char_p, c_char_p, Progress, c_void_p, POINTER(Error)]),
     "nqm_brdf_preset_name": (c_char_p, [c_size_t]),
     "nqm_brdf_check": (c_int, [c_void_p, c_uint64, POINTER(BrdfCheckReport), POINTER(Error)]),
     "nqm_brdf_compare": (c_int, [c_void_p, c_void_p, c_double, c_uint64, POINTER(BrdfDifference), POINTER(Error)]),
@@ -977,31 +998,20 @@ FUNCTIONS = {
     "nqm_directions_load_csv": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_directions_save_csv": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
     "nqm_directions_free": (None, [c_void_p]),
-    "nqm_directions_count": (c_size_t, [c_void_p]),
-    "nqm_directions_degrees": (c_void_p, [c_void_p]),
-    "nqm_directions_wi": (c_void_p, [c_void_p]),
-    "nqm_directions_wo": (c_void_p, [c_void_p]),
+    "nqm_directions_get_info": (DirectionsInfo, [c_void_p]),
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), POINTER(Error)]),
     "nqm_samples_save_mat": (c_int, [c_void_p, c_void_p, c_char_p, POINTER(Error)]),
     "nqm_model_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_model_from_memory": (c_int, [c_void_p, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_model_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_model_builtin": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_model_builtin_count": (c_size_t, []),
     "nqm_model_builtin_name": (c_char_p, [c_size_t]),
     "nqm_model_free": (None, [c_void_p]),
     "nqm_model_get_info": (ModelInfo, [c_void_p]),
-    "nqm_delta_e_itp": (c_double, [c_void_p, c_void_p]),
     "nqm_curve_default": (Curve, []),
     "nqm_curve_jod": (c_double, [POINTER(Curve), c_double]),
     "nqm_regress": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(RegressReport), POINTER(Error)]),
-    "nqm_label_adapted_jod": (c_double, [POINTER(Label)]),
-    "nqm_label_jod_error": (c_double, [POINTER(Label)]),
-    "nqm_label_describe": (c_char_p, [POINTER(Label), c_char_p]),
+    "nqm_label_get_info": (LabelInfo, [POINTER(Label)]),
     "nqm_metric_get_info": (MetricInfo, [c_int]),
-    "nqm_metric_name": (c_char_p, [c_int]),
-    "nqm_metrics_compute": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_score_options_default": (ScoreOptions, []),
     "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
     "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
@@ -1019,33 +1029,26 @@ FUNCTIONS = {
     "nqm_conform_kit_write": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(Error)]),
     "nqm_conform_compare": (c_int, [c_void_p, c_void_p, Progress, c_void_p, POINTER(ScoreResult), POINTER(ConformReport), POINTER(Error)]),
     "nqm_conform_prove": (c_int, [c_void_p, Progress, c_void_p, POINTER(ConformProof), POINTER(Error)]),
-    "nqm_dataset_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_dataset_load_authors": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
+    "nqm_dataset_load": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
     "nqm_dataset_free": (None, [c_void_p]),
     "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
     "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_scene_options_default": (SceneOptions, []),
     "nqm_scene_create": (c_int, [POINTER(SceneOptions), c_void_p, POINTER(Error)]),
     "nqm_scene_free": (None, [c_void_p]),
-    "nqm_scene_count": (c_size_t, [c_void_p]),
+    "nqm_scene_get_info": (SceneInfo, [c_void_p]),
     "nqm_scene_render": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_scene_render_halves": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_scene_weights": (c_void_p, [c_void_p]),
-    "nqm_scene_pixels": (c_void_p, [c_void_p]),
     "nqm_rays_draw": (c_int, [c_void_p, c_size_t, c_uint64, POINTER(Rays), POINTER(Error)]),
     "nqm_rays_clear": (None, [POINTER(Rays)]),
-    "nqm_scene_compare": (Label, [c_void_p, c_void_p, c_void_p]),
+    "nqm_scene_compare": (Label, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_scene_label": (c_int, [c_void_p, POINTER(ScenePicture), POINTER(ScenePicture), POINTER(Label), c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_scene_delta_e_map": (None, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_rays_compare": (c_int, [POINTER(Rays), c_void_p, c_void_p, POINTER(Label), c_void_p, POINTER(Error)]),
     "nqm_transport_create": (c_int, [POINTER(SceneOptions), c_int, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     "nqm_corpus_options_default": (CorpusOptions, []),
     "nqm_corpus_build": (c_int, [c_size_t, POINTER(CorpusPair), c_void_p, POINTER(CorpusOptions), c_char_p, POINTER(Error)]),
     "nqm_fit_options_default": (FitOptions, []),
     "nqm_fit_model": (c_char_p, [c_size_t]),
-    "nqm_fit_shading": (c_char_p, [c_size_t]),
-    "nqm_fit_model_has": (c_int, [c_char_p, c_char_p]),
-    "nqm_fit": (c_int, [c_void_p, c_char_p, POINTER(FitOptions), POINTER(FitReport), c_void_p, POINTER(Error)]),
     "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
     "nqm_texture_free": (None, [c_void_p]),
@@ -1061,16 +1064,15 @@ FUNCTIONS = {
     "nqm_materials_count": (c_size_t, [c_void_p]),
     "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
     "nqm_materials_free": (None, [c_void_p]),
-    "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
-    "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
-    "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
-    "nqm_model_annotate": (c_int, [c_void_p, c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_translate_target": (TranslateModel, [c_size_t]),
-    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
-    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
     "nqm_pairs_read": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
     "nqm_pairs_free": (None, [POINTER(Pairs)]),
     "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
     "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
+    "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
+    "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
+    "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
+    "nqm_translate_target": (TranslateModel, [c_size_t]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
 }

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _abi
 from ._library import lib
-from ._call import (PathLike, ProgressLike, Watch, address, array_at, call, choice, decode, encode, ignoring, own_handle, progress_callback,
+from ._call import (PathLike, ProgressLike, Watch, address, array_at, call, choice, decode, encode, ignoring, names_of, own_handle, progress_callback,
                     triples, words)
 
 #: A function of Python code that evaluates a BRDF: `wi`, `wo` (n, 3) to f_r (n, 3).
@@ -297,7 +297,7 @@ class BRDF:
     def save(self, path: PathLike) -> None:
         """Write a small network ("nbrdf") or a table as a safetensors file, which `open` reads back to the same values. The other
         formats have a spec or a file already."""
-        call(lib.nqm_brdf_save, self._handle, encode(path), watches=self._watches)
+        self._write("safetensors", path)
 
     def save_table(self, path: PathLike, format: str = "merl", *, progress: ProgressLike = None) -> None:
         """Write a table of any BRDF: f_r at the centres of the cells, -1 in cells without a value.
@@ -308,17 +308,20 @@ class BRDF:
                 array for `from_table`, for any BRDF
             progress: called with the stage, the work done and the total; True shows a line on standard error
         """
-        own = Watch()
-        call(lib.nqm_brdf_write, self._handle, choice("format", format, words(_abi.TableFormat)), encode(path),
-             progress_callback(progress, self._watches, own), None, watches=self._watches, own=own)
+        choice("format", format, ("merl", "merl_360", "npy"))
+        self._write(format, path, progress=progress)
 
     def save_material(self, path: PathLike, name: str = "material") -> None:
         """Write a material file of a renderer, whose extension selects the format (doc/materials.md). The BRDF must be a shading model
         that the format has, such as the result of `fit`."""
-        spec = self.info.spec
-        if spec is None:
+        if self.info.spec is None:
             raise ValueError("%s has no spec: only shading models can be written as a material" % self.name)
-        call(lib.nqm_material_write, encode(spec), encode(name), encode(path))
+        self._write("material", path, name)
+
+    def _write(self, format: str, path: PathLike, name: str = "material", progress: ProgressLike = None) -> None:
+        own = Watch()
+        call(lib.nqm_brdf_write, self._handle, _abi.FileFormat[format.upper()], encode(name), encode(path),
+             progress_callback(progress, self._watches, own), None, watches=self._watches, own=own)
 
 
 #: What functions accept as a BRDF: a `BRDF`; a path, spec or preset; a function as for `BRDF.from_function`; a table (4-dimensional array).
@@ -419,7 +422,7 @@ def _pairs(wi: Any, wo: Any) -> Tuple[np.ndarray, np.ndarray]:
 
 def presets() -> Tuple[str, ...]:
     """Names of the built-in presets ("sgd:nickel", ...), which `BRDF.open` takes."""
-    return tuple(lib.nqm_brdf_preset_name(i).decode() for i in range(lib.nqm_brdf_preset_count()))
+    return names_of(lib.nqm_brdf_preset_name)
 
 
 def table_nodes(n_theta_h: int, n_theta_d: int, n_phi_d: int) -> np.ndarray:
@@ -508,7 +511,7 @@ class Directions:
         call(lib.nqm_directions_save_csv, self._handle, encode(path))
 
     def __len__(self) -> int:
-        return lib.nqm_directions_count(self._handle)
+        return lib.nqm_directions_get_info(self._handle).n
 
     def __repr__(self) -> str:
         return "<nqm.Directions %s, %d>" % (self.id, len(self))
@@ -521,13 +524,13 @@ class Directions:
     @property
     def degrees(self) -> np.ndarray:
         """(n, 3) theta_h, theta_d, phi_d in degrees; a copy."""
-        return array_at(lib.nqm_directions_degrees(self._handle), (len(self), 3))
+        return array_at(lib.nqm_directions_get_info(self._handle).degrees, (len(self), 3))
 
     @property
     def vectors(self) -> Tuple[np.ndarray, np.ndarray]:
         """Unit vectors `wi`, `wo`, (n, 3) each."""
-        wi, wo = (array_at(f(self._handle), (len(self), 3)) for f in (lib.nqm_directions_wi, lib.nqm_directions_wo))
-        return wi, wo
+        i = lib.nqm_directions_get_info(self._handle)
+        return array_at(i.wi, (i.n, 3)), array_at(i.wo, (i.n, 3))
 
 
 def set_options(struct: Any, options: Any, names: Sequence[str]) -> Any:

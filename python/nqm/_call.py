@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import enum
+import itertools
 import os
 import signal
 import sys
@@ -250,6 +251,11 @@ def address(array: np.ndarray) -> int:
 def array_at(at: int, shape: Tuple[int, ...], kind: Any = ctypes.c_double) -> np.ndarray:
     """A copy of an array of the library."""
     return np.ctypeslib.as_array(ctypes.cast(at, POINTER(kind)), shape).copy()
+
+
+def names_of(function: Callable[[int], Optional[bytes]]) -> Tuple[str, ...]:
+    """What a function of the library names for 0, 1, ..."""
+    return tuple(name.decode() for name in iter(map(function, itertools.count()).__next__, None))
 
 
 def words(values: Type[enum.IntEnum]) -> Tuple[str, ...]:

@@ -74,7 +74,7 @@ class Dataset:
     def open(cls, path: PathLike) -> "Dataset":
         """Open a dataset file (`nqm dataset` makes them). Its checksum is checked; samples stay in the mapped file."""
         handle = c_void_p()
-        call(lib.nqm_dataset_load, encode(path), byref(handle))
+        call(lib.nqm_dataset_load, encode(path), None, 0, byref(handle))
         return cls._own(handle, _tensors(path))
 
     @classmethod
@@ -82,7 +82,7 @@ class Dataset:
         """Open the folder layout of the paper's authors (doc/files.md). Such a dataset has labels, but `ref_samples`, `test_samples` and
         `used` are not available."""
         handle = c_void_p()
-        call(lib.nqm_dataset_load_authors, encode(root), encode(labels_csv), choice("split", split, words(_abi.Split)), byref(handle))
+        call(lib.nqm_dataset_load, encode(root), encode(labels_csv), choice("split", split, words(_abi.Split)), byref(handle))
         return cls._own(handle, None)
 
     def __len__(self) -> int:

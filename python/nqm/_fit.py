@@ -2,15 +2,14 @@
 """Fits of models to BRDFs."""
 from __future__ import annotations
 
-import itertools
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
-from typing import Any, List, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple
 
 from . import _abi
 from ._library import lib
 from ._brdf import BRDF, BRDFLike, as_brdf, set_options
-from ._call import Error, ProgressLike, Watch, call, encode, progress_callback
+from ._call import Error, ProgressLike, Watch, call, encode, names_of, progress_callback
 from ._scene import Scene, standard_scene
 from ._score import ModelLike, as_model, models
 
@@ -45,11 +44,7 @@ class Fit:
 
 def fit_models() -> Tuple[str, ...]:
     """Names of the models that `fit` takes: encodings, analytic models, then the shading models of renderers."""
-    names: List[str] = []
-    for function in (lib.nqm_fit_model, lib.nqm_fit_shading):
-        found = itertools.takewhile(lambda name: name is not None, map(function, itertools.count()))
-        names += [name.decode() for name in found]
-    return tuple(names)
+    return names_of(lib.nqm_fit_model)
 
 
 def _bounds(bounds: Optional[Mapping[str, Tuple[float, float]]]) -> Any:

@@ -2,19 +2,20 @@
 """Metrics by name, and many pairs as one array."""
 from __future__ import annotations
 
-import csv
+import ctypes
 import functools
-import json
+import itertools
 import os
 import warnings
+from ctypes import POINTER, byref
 from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _abi
+from ._abi import NamedPair, Pairs
+from ._brdf import BRDFLike
+from ._call import Error, PathLike, ProgressLike, call, encode
 from ._library import lib
-from ._brdf import BRDFLike, materials
-from ._call import Error, PathLike, ProgressLike
 from ._score import METRICS, ModelLike, Scorer
 from ._texture import MapScore, Material, score_maps
 
@@ -80,59 +81,43 @@ _BATCH = (("jod", "f8"), ("low", "f8"), ("high", "f8"), ("delta_e", "f8"), ("nov
           ("identical", "?"), ("status", "i4"), ("n_valid", "i8"))
 
 
-def _read_list(path: PathLike) -> List[Tuple[str, str]]:
-    """The pairs of a list as the tool's verb `batch` reads it: JSON Lines, or CSV. A row without a name has an empty one, which is
-    no BRDF: it gets its error when it is opened."""
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        lines = [line for line in file.read().splitlines(keepends=True) if line.strip() and not line.startswith("#")]
-    if lines and lines[0].lstrip().startswith("{"):
-        rows = [json.loads(line) for line in lines]
-    else:
-        header = lines[0] if lines else ""
-        separator = "," if "," in header else ";" if ";" in header else "\t"
-        table = [[field.strip() for field in row] for row in csv.reader(lines, delimiter=separator, skipinitialspace=True)]
-        names = [name.lower() for name in table[0]] if table else []
-        if not {"reference", "test"} <= set(names):
-            raise Error("%s: a list of pairs has the columns reference and test" % os.fspath(path), _abi.Status.FORMAT)
-        rows = [dict(zip(names, row)) for row in table[1:]]
-    return [(row.get("reference", ""), row.get("test", "")) for row in rows]
+def _is_name(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike))
 
 
-@functools.lru_cache(maxsize=2)
-def _library(path: str, stamp: int) -> Tuple[str, ...]:
-    """The names of the materials of a file of several; empty for other files."""
-    try:
-        names = tuple(m.name for m in materials(path))
-    except Error:
-        return ()  # another kind of file, or a damaged one, which scoring reports
-    return names if len(names) > 1 else ()
-
-
-def _names(value: Any) -> Tuple[str, ...]:
-    is_file = isinstance(value, (str, os.PathLike)) and os.path.isfile(value)
-    return _library(os.fsdecode(value), os.stat(value).st_mtime_ns) if is_file else ()
-
-
-def expand_pairs(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]]) -> List[Tuple[BRDFLike, BRDFLike]]:
+def expand_pairs(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *,
+                 ignore: Optional[str] = None) -> List[Tuple[BRDFLike, BRDFLike]]:
     """The pairs whose scores are the rows of `batch`. A test that is a file of several materials means all of them; where the
     reference is such a file, too, its materials are paired with those of the same names. A material that the test lacks is a pair
     that cannot be scored; one that only the test has is left out with a warning.
 
+    >>> with open("pairs.csv", "w") as file:
+    ...     n = file.write("reference,test,name\\nsgd:nickel,ward:nickel,fit\\n")
+    >>> nqm.expand_pairs("pairs.csv")
+    [('sgd:nickel', 'ward:nickel')]
+
     Args:
         pairs: as for `batch`
+        ignore: what of refused materials is ignored, "transmission,opacity"
     """
-    expanded: List[Tuple[BRDFLike, BRDFLike]] = []
-    for ref, test in _read_list(pairs) if isinstance(pairs, (str, os.PathLike)) else pairs:
-        names, ref_names = _names(test), _names(ref)
-        if not names:
-            expanded.append((ref, test))
-            continue
-        for name in ref_names or names:
-            member = "%s:%s" % (os.fsdecode(ref), name) if ref_names else ref  # type: ignore[arg-type]
-            expanded.append((member, "%s:%s" % (os.fsdecode(test), name)))  # type: ignore[arg-type]
-        for name in [n for n in names if ref_names and n not in set(ref_names)]:
-            warnings.warn("%s:%s is not compared: %s has no material of this name" % (test, name, ref), stacklevel=3)
-    return expanded
+    given = [] if _is_name(pairs) else list(pairs)  # type: ignore[arg-type]
+    named = [NamedPair(*[encode(b) if _is_name(b) else b"" for b in pair]) for pair in given]
+    own, listed, made = Pairs(n=len(named), pairs=(NamedPair * len(named))(*named)), POINTER(Pairs)(), POINTER(Pairs)()
+    try:
+        if _is_name(pairs):
+            call(lib.nqm_pairs_read, encode(pairs), byref(listed))  # type: ignore[arg-type]
+        call(lib.nqm_pairs_expand, listed if listed else byref(own), None if ignore is None else encode(ignore), byref(made))
+        n, left_out = made[0].n, ctypes.cast(made[0].left_out, POINTER(ctypes.c_char_p))
+        rows = zip(ctypes.cast(made[0].rows, POINTER(ctypes.c_size_t))[:n], [(p.ref, p.test) for p in made[0].pairs[:n]])
+        for message in iter(map(left_out.__getitem__, itertools.count()).__next__, None):
+            warnings.warn(os.fsdecode(message), stacklevel=3)
+    finally:
+        lib.nqm_pairs_free(made)
+        lib.nqm_pairs_free(listed)
+    if listed:
+        return [(os.fsdecode(ref), os.fsdecode(test)) for _, (ref, test) in rows]
+    return [tuple(b if not _is_name(b) or encode(b) == name else os.fsdecode(name)  # what is unchanged is the caller's object
+                  for b, name in zip(given[row], names)) for row, names in rows]  # type: ignore[misc]
 
 
 def _score_textured(pair: Tuple[Any, Any], model: ModelLike, material: Callable[[Any], Material]) -> Optional[MapScore]:

@@ -79,19 +79,19 @@ class Scene:
 
     def __len__(self) -> int:
         """Number of surface points of all frames together."""
-        return lib.nqm_scene_count(self._handle)
+        return lib.nqm_scene_get_info(self._handle).n_points
 
     @property
     def weights(self) -> np.ndarray:
         """(n_points) the fraction of the picture that each point represents; they sum to 1."""
-        n, weights = len(self), lib.nqm_scene_weights(self._handle)
-        return array_at(weights, (n,)) if weights else np.full(n, 1 / n)
+        i = lib.nqm_scene_get_info(self._handle)
+        return array_at(i.weights, (i.n_points,)) if i.weights else np.full(i.n_points, 1 / i.n_points)
 
     @property
     def pixels(self) -> Optional[np.ndarray]:
         """(n_points) the pixel of each point, (frame * height + y) * width + x; None without a width."""
-        pixels = lib.nqm_scene_pixels(self._handle)
-        return array_at(pixels, (len(self),), c_size_t) if pixels else None
+        i = lib.nqm_scene_get_info(self._handle)
+        return array_at(i.pixels, (i.n_points,), c_size_t) if i.pixels else None
 
     def points(self, brdf: BRDFLike) -> np.ndarray:
         """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped. Warns when the BRDF has no value
@@ -149,8 +149,9 @@ class Scene:
         for test in map(as_brdf, tests if several else [tests]):
             label, valid = self._label((brdf, test), (seen, self._picture(test)))
             jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
-            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_adapted_jod(byref(label)), parts_of(label),
-                                label.error, lib.nqm_label_jod_error(byref(label)), valid))
+            info = lib.nqm_label_get_info(byref(label))
+            labels.append(Label(brdf.name, test.name, jod, label.delta_e, info.adapted_jod, parts_of(label), label.error, info.jod_error,
+                                valid))
         return labels if several else labels[0]
 
 

@@ -17,7 +17,7 @@ from . import _abi
 from ._abi import NamedPair, SamplePair, ScoreResult
 from ._library import lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, Turns, address, array_at, call, choice, decode, encode, error_of, own_handle, progress_of,
+from ._call import (Error, PathLike, ProgressLike, Turns, address, array_at, call, choice, decode, encode, error_of, names_of, own_handle, progress_of,
                     status_text, words)
 
 METRICS = tuple(lib.nqm_metric_get_info(i).name.decode() for i in range(len(_abi.Metric)))
@@ -64,13 +64,11 @@ class Model:
     def open(cls, name_or_path: PathLike = "default") -> "Model":
         """A built-in model by name (`models` lists them), or a model file."""
         handle = c_void_p()
-        if name_or_path in models():
-            call(lib.nqm_model_builtin, encode(name_or_path), byref(handle))
-        elif isinstance(name_or_path, str) and not os.path.exists(name_or_path) and os.sep not in name_or_path:
+        if (isinstance(name_or_path, str) and name_or_path not in models() and not os.path.exists(name_or_path) and
+                os.sep not in name_or_path):
             raise Error("there is no model '%s': built in are %s; or give a model file" % (name_or_path, ", ".join(models())),
                         _abi.Status.MODEL)
-        else:
-            call(lib.nqm_model_load, encode(name_or_path), byref(handle))
+        call(lib.nqm_model_load, encode(name_or_path), byref(handle))
         model = object.__new__(cls)
         model._handle = handle
         own_handle(model, handle, lib.nqm_model_free)
@@ -110,7 +108,7 @@ def as_model(value: ModelLike) -> Model:
 
 def models() -> Tuple[str, ...]:
     """Names of the built-in models."""
-    return tuple(lib.nqm_model_builtin_name(i).decode() for i in range(lib.nqm_model_builtin_count()))
+    return names_of(lib.nqm_model_builtin_name)
 
 
 @dataclass(frozen=True)
@@ -131,13 +129,17 @@ class Parts:
 
 
 def parts_of(label: _abi.Label) -> Parts:
-    words = lib.nqm_label_describe(byref(label), ctypes.create_string_buffer(_abi.LABEL_TEXT)).decode()
+    words = lib.nqm_label_get_info(byref(label)).words.decode()
     return Parts((label.shift[0], label.shift[1], label.shift[2]), label.contrast, label.structure, words)
 
 
 @dataclass(frozen=True)
 class Score:
     """The score of one pair. `float(score)` is its JOD; `str(score)` names it with its interval and warnings.
+
+    >>> dark = nqm.score("sgd:nickel", lambda wi, wo: 0.1 - 0.2 * abs(wi))
+    >>> dark.verdict, dark.warnings[0]
+    ('very different', '<lambda>: negative channel at ... of 1872 directions, taken as 0')
 
     Attributes:
         ref: name of the reference
@@ -180,6 +182,13 @@ class Score:
     warnings: Tuple[str, ...]
     error: Optional[Error] = None
 
+    @property
+    def verdict(self) -> str:
+        """What the score means, in words that are not more certain than its interval: "visible", "identical"; "" without a score."""
+        r = ScoreResult(status=int(self.error.status) if self.error else 0, jod=self.jod, jod_low=self.low, jod_high=self.high,
+                        identical=self.identical)
+        return lib.nqm_verdict(byref(r), ctypes.create_string_buffer(_abi.VERDICT_TEXT)).decode()
+
     def __float__(self) -> float:
         return self.jod
 
@@ -190,38 +199,22 @@ class Score:
         return "%.2f JOD%s%s" % (self.jod, interval, " (%s)" % "; ".join(self.warnings) if self.warnings else "")
 
 
-def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tuple[str, ...]:
-    remedy = ("left out", "taken as 0", "taken from the nearest direction", "refused")[invalid]
-    found = []
-    if r.distance_deg[0] > 0.1:
-        found.append("%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower highlights "
-                     "are not seen; `Model.directions` are those to measure" % (ref, r.distance_deg[0], r.distance_deg[1]))
-    for who, remark in zip((ref, test), r.remark):
-        if remark.value:
-            found.append("%s: %s" % (who, decode(remark.value)))
-    if r.status:
-        return tuple(found)
-    for k, who in enumerate((ref, test)):
-        clamped, missing, unusual = r.n_clamped[k], r.n_invalid[k], r.n_unusual[k]
-        if clamped:
-            found.append("%s: negative channel at %d of %d directions, taken as 0" % (who, clamped, n))
-        if missing:
-            found.append("%s: no value at %d of %d directions, %s" % (who, missing, n, remedy))
-        if unusual:
-            found.append("%s: at %d of %d directions far brighter than most BRDFs of the training" % (who, unusual, n))
-    if r.novelty > 1 and r.jod_high - r.jod_low > 0.1:
-        found.append("%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1" %
-                     (test, r.novelty))
-    if r.suspect_scale > 0 and abs(math.log(r.suspect_scale)) < 2:
-        found.append("%s: its reference %s pi at nearly all directions: a Lambertian f_r is its albedo / pi" %
-                     (test, "times" if r.suspect_scale > 1 else "divided by"))
-    elif r.suspect_scale > 0:
-        found.append("%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, 1304 and 904 "
-                     "in MERL files, 255 in values of 8 bits" % (test, r.suspect_scale))
-    if r.suspect_cosine:
-        found.append("%s: about its reference %s the cosine of light or viewer: f_r is without a cosine" %
-                     (test, "times" if r.suspect_cosine > 0 else "divided by"))
-    return tuple(found)
+def _remarks(model: Model, invalid: int, r: ScoreResult, ref: str, test: str) -> Tuple[str, ...]:
+    text = ctypes.create_string_buffer(_abi.REMARKS_TEXT)
+    names = os.fsencode(ref), os.fsencode(test)
+    lib.nqm_pairs_remarks(model._handle, invalid, byref(NamedPair(*names)), *names, byref(r), text)
+    return tuple(os.fsdecode(remark) for remark in text.raw.split(b"\0\0", 1)[0].split(b"\0") if remark)
+
+
+def score_of(model: Model, invalid: int, r: ScoreResult, ref: str, test: str, error: Optional[Error] = None, metrics: bool = False) -> Score:
+    """A result of the library as a `Score`."""
+    if r.status and error is None:
+        error = Error("%s and %s: %s (values at %d of %d directions)" %
+                      (ref, test, status_text(r.status), r.n_valid, len(model.directions)), _abi.Status(r.status))
+    prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
+    return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
+                 r.anisotropy, None if math.isnan(r.parts.structure) else parts_of(r.parts), dict(zip(METRICS, r.metrics)) if metrics else {},
+                 r.n_valid, _remarks(model, invalid, r, ref, test), error)
 
 
 class Scorer:
@@ -248,14 +241,7 @@ class Scorer:
         own_handle(self, self._handle, lib.nqm_scorer_free)
 
     def _score(self, r: ScoreResult, ref: str, test: str, error: Optional[Error] = None) -> Score:
-        if r.status and error is None:
-            error = Error("%s and %s: %s (values at %d of %d directions)" %
-                          (ref, test, status_text(r.status), r.n_valid, self._n_directions), _abi.Status(r.status))
-        prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
-        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
-                     r.anisotropy, None if math.isnan(r.parts.structure) else parts_of(r.parts),
-                     dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
-                     _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
+        return score_of(self.model, self._options.invalid, r, ref, test, error, bool(self._options.metrics))
 
     def _run(self, ref: BRDFLike, tests: Sequence[BRDFLike], errors: str) -> List[Score]:
         brdf, opened, scores = as_brdf(ref), [], []

@@ -92,9 +92,6 @@ __attribute__((format(printf, 3, 4))) void nqm_remark_add(char *remark, size_t s
 /** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
  *  free with nqm_free(). */
 char *nqm_path_beside(const char *path, const char *name);
-/** The colon of "FILE:MEMBER": the last one that follows the name of a file, because members may have colons in their names. NULL:
- *  the argument is the name of a file, or begins with none. */
-const char *nqm_member_colon(const char *argument);
 static inline size_t nqm_smaller(size_t a, size_t b) {
     return a < b ? a : b;
 }

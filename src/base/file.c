@@ -106,17 +106,3 @@ void nqm_map_close(nqm_map *map) {
         munmap((void *)(uintptr_t)map->data, map->n_bytes);
     *map = (nqm_map){0};
 }
-
-const char *nqm_member_colon(const char *argument) {
-    char path[4096]; /* no file has a longer path */
-    struct stat st;
-    for (size_t i = stat(argument, &st) == 0 ? 0 : strlen(argument); i--;) {
-        if (argument[i] != ':' || i >= sizeof path)
-            continue;
-        memcpy(path, argument, i);
-        path[i] = 0;
-        if (stat(path, &st) == 0)
-            return argument + i;
-    }
-    return NULL;
-}

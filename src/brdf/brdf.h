@@ -74,32 +74,12 @@ typedef struct nqm_lobe {
 /** The lobe of a BRDF about the peak of f_r(h, h) over h. Takes about 1,500 evaluations. */
 nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf);
 
-/* ---- arguments --------------------------------------------------------------------------------------------------- */
-
-/** As nqm_brdf_open(), with another name for the BRDF's information. */
-typedef nqm_status nqm_brdf_opener(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/* ---- specs and files ---------------------------------------------------------------------------------------------- */
 
 /** true when `text` starts with the name of a model, table of presets or wrapper and a colon ("ggx:..."). */
 bool nqm_spec_probe(const char *text);
 /** Whether a file begins as one of a BRDF, which may yet be damaged. */
 bool nqm_brdf_probe(const char *path);
-/** The argument of nqm_brdf_open() for a BRDF that is named in a list: specs and absolute paths unchanged, relative
- *  paths prefixed with the folder `root` of n_root characters (0: the working folder). NULL: out of memory. nqm_free()
- *  it. */
-char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root);
-/** Open such a BRDF; `root` NULL or "" is the working folder. */
-NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret,
-                                              nqm_error *err);
-/** The second file that "FILE:MEMBER" reads, the latents of a decoder or the measured file of a material; member NULL: "FILE".
- *  nqm_free() it. NULL: there is none. */
-NQM_MUST_CHECK nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **path_ret,
-                                                  nqm_error *err);
-
-/** The materials of "FILE" or "FILE:MATERIAL" and the number of the one that is named, if image maps change it; otherwise
- *  *materials_ret is NULL, and nqm_brdf_open() tells what the argument is. */
-struct nqm_materials;
-NQM_MUST_CHECK nqm_status nqm_brdf_find_textured(const char *argument, struct nqm_materials **materials_ret,
-                                                 size_t *index_ret, nqm_error *err);
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
@@ -109,6 +89,10 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi
 /** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(), with several phi_h
  *  unless it is_isotropic. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, bool is_isotropic, const char *path, nqm_error *err);
+/** Write a network or a table as safetensors (NQM_FILE_SAFETENSORS). */
+NQM_MUST_CHECK nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err);
+/** Write the spec of a shading model as NQM_FILE_MATERIAL. */
+NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err);
 /** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names,
                                                    const char *path, nqm_error *err);
@@ -117,6 +101,10 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 
 /** The BRDF of values in their ranges: without a spec, and with the name of its model. */
 NQM_MUST_CHECK nqm_status nqm_brdf_of_values(const nqm_values *values, nqm_brdf **brdf_ret, nqm_error *err);
+/** "tilt:" of a BRDF, which the result owns, also on failure. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tilt_degrees(nqm_brdf *of, double deg, double azimuth_deg, nqm_brdf **brdf_ret,
+                                                nqm_error *err);
+
 /** The normal of the frame of a BRDF that is turned or tilted, in that of the surface; else (0, 0, 1). */
 void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]);
 /** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */
@@ -155,10 +143,6 @@ void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size
 /** The values of a BRDF whose format is "table"; valid until it is freed. */
 const float *nqm_table_values(const nqm_brdf *brdf, nqm_table_size *size);
 
-/** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its
- *  prefix: the settings end where the rest begins. false: another form; the text is as it was. */
-bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of);
-
 typedef struct nqm_between_bases {
     nqm_brdf *of, *with;
     bool owns_of, owns_with; /* freed with the result, and on failure; false: borrowed */
@@ -167,23 +151,14 @@ typedef struct nqm_between_bases {
 typedef struct nqm_spec_wrapper nqm_spec_wrapper;
 /** The kind of BRDF made of others whose name and a colon begin the text; NULL: none. */
 const nqm_spec_wrapper *nqm_spec_wrapper_of(const char *text);
-/** Such a BRDF of opened ones: `settings` as in its spec, without `with` and `of`. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
+/** Such a BRDF of opened ones: `settings` as in its spec, without `with` and `of`. name: of the result; NULL: its spec. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const char *name,
                                            const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
+/** Whether its settings are right, before its BRDFs are opened. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_check(const nqm_spec_wrapper *w, const char *settings, nqm_error *err);
 
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
                                             nqm_brdf **table_ret, nqm_error *err);
-
-/** A material file that stays parsed, so that each of its materials costs no more than itself. */
-typedef struct nqm_material_file nqm_material_file;
-/** The file of "FILE:MATERIAL", which is read unless it is in the list, and becomes the first of the list. NULL: the
- *  name is of another kind, or there is no memory. */
-const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name);
-/** As nqm_brdf_open(), of a name with which the file was found. Any thread. */
-NQM_MUST_CHECK nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,
-                                                 nqm_error *err);
-/** Free all but the last used n_kept. */
-void nqm_material_files_trim(nqm_material_file **list, size_t n_kept);
 
 #endif

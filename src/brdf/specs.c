@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The list of all models and wrappers, and BRDFs from specs: "MODEL:key=value;...", "TABLE:PRESET", "WRAPPER:...;of=BRDF".
+ * The list of all models and wrappers, and BRDFs from specs "MODEL:key=value;..." and "TABLE:PRESET".
  */
 #include "brdf/core/spec.h"
 #include "schema/presets.h"
@@ -67,12 +67,8 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
 
 /* ---- names of presets --------------------------------------------------------------------------------------------- */
 
-size_t nqm_brdf_preset_count(void) {
-    return nqm_preset_name_count;
-}
-
 const char *nqm_brdf_preset_name(size_t i) {
-    return nqm_preset_names[i];
+    return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
@@ -126,25 +122,21 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_values *val
     return status;
 }
 
-static size_t count_wrappers(const char *spec) {
+nqm_status nqm_spec_check_nesting(const char *spec, nqm_error *err) {
     size_t n = 0;
     for (const char *at = spec; *at; ++at)
         for (const nqm_spec_wrapper *const *w = wrappers; *w; ++w)
             n += strncmp(at, (*w)->schema.model, strlen((*w)->schema.model)) == 0 &&
                  at[strlen((*w)->schema.model)] == ':';
-    return n;
+    return n > MAX_NESTED
+               ? nqm_fail(err, NQM_ERR_LIMIT, -1,
+                          "a spec may contain at most %d of perturb:, between:, rotate: and tilt:", MAX_NESTED)
+               : NQM_OK;
 }
 
-nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
-                         nqm_error *err) {
+nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     const size_t n_name = strcspn(spec, ":");
     const char *settings = spec + n_name + 1;
-    const nqm_spec_wrapper *wrapper = nqm_spec_wrapper_of(spec);
-    if (wrapper && count_wrappers(spec) > MAX_NESTED)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1,
-                        "a spec may contain at most %d of perturb:, between:, rotate: and tilt:", MAX_NESTED);
-    if (wrapper)
-        return nqm_wrapper_open(wrapper, settings, name, open, brdf_ret, err);
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n_name);
     const bool is_preset = table && !strchr(settings, '=');

@@ -195,7 +195,7 @@ static void rotate_directions(nqm_conform_kit *kit, const nqm_directions *direct
     for (size_t i = 0; i < NQM_CONFORM_AZIMUTHS; ++i) {
         const double angle = nqm_conform_azimuths_deg[i] * NQM_PI / 180, c = i ? cos(angle) : 1, s = i ? sin(angle) : 0;
         for (size_t side = 0; side < 2; ++side) {
-            const double *from = side ? nqm_directions_wo(directions) : nqm_directions_wi(directions);
+            const double *from = side ? nqm_directions_get_info(directions).wo : nqm_directions_get_info(directions).wi;
             double *to = nqm_conform_directions(kit, i, side), *end = to + 3 * kit->n_directions;
             for (; to < end; from += 3, to += 3) {
                 to[0] = c * from[0] - s * from[1];
@@ -245,7 +245,7 @@ nqm_status nqm_conform_kit_create(const char *model, const char *keys, const nqm
     kit->schema = schema;
     kit->keys = chosen;
     kit->metric = metric;
-    kit->n_directions = nqm_directions_count(directions);
+    kit->n_directions = nqm_directions_get_info(directions).n;
     name_columns(kit);
     fill_sets(kit, keys == NULL);
     status = nqm_alloc_arrays(

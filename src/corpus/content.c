@@ -2,18 +2,10 @@
  *
  * Checksums of the files that a list of pairs names.
  */
-#include "brdf/brdf.h"
+#include "argument/argument.h"
 #include "corpus/corpus.h"
 
 #include <string.h>
-
-/* Length of the file path in a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs. */
-static size_t file_length(const char *path) {
-    if (nqm_spec_probe(path))
-        return 0;
-    const char *colon = nqm_member_colon(path);
-    return colon ? (size_t)(colon - path) : strlen(path);
-}
 
 nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err) {
     nqm_map map = {0}, more = {0};
@@ -34,27 +26,24 @@ nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char he
 }
 
 nqm_status nqm_corpus_hash_content(const nqm_corpus_list *list, const char *base, char hex[65], nqm_error *err) {
-    const char *root = list->root;
-    char *path = nqm_brdf_path_below(base, root, root ? strlen(root) : 0), *more = NULL;
-    const size_t n = path ? file_length(path) : 0;
-    nqm_status status = path ? NQM_OK : nqm_fail_nomem(err, strlen(base));
+    char *text = nqm_argument_below(base, list->root), *more = NULL;
+    nqm_argument *of = text ? nqm_argument_parse(text, NULL) : NULL;
+    nqm_status status = of ? NQM_OK : nqm_fail_nomem(err, strlen(base));
     *hex = 0;
-    if (n > 0) {
-        const char *member = path[n] ? path + n + 1 : NULL;
-        path[n] = 0;
-        status = nqm_brdf_find_companion(path, member, &more, err);
-        if (status == NQM_OK)
-            status = nqm_corpus_hash_file(path, more, hex, err);
-    }
+    if (of && of->path)
+        status = nqm_argument_companion(of, &more, err);
+    if (status == NQM_OK && of->path)
+        status = nqm_corpus_hash_file(of->path, more, hex, err);
     nqm_free(more);
-    nqm_free(path);
+    nqm_argument_free(of);
+    nqm_free(text);
     return status;
 }
 
 nqm_status nqm_corpus_hash_refs(nqm_corpus_list *list, nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < list->n_refs; ++i)
-        if (strncmp(list->refs[i].brdf, "fit:", 4) != 0)
+        if (nqm_argument_kind_of(list->refs[i].brdf) != NQM_ARGUMENT_FIT)
             status = nqm_corpus_hash_content(list, list->refs[i].brdf, list->refs[i].file_sha256, err);
     return status;
 }

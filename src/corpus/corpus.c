@@ -185,7 +185,8 @@ nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs, const nqm_di
                             const nqm_corpus_options *options_or_null, const char *path, nqm_error *err) {
     NQM_REQUIRE(err, pairs, directions, path);
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
-    nqm_corpus c = {.options = &options, .directions = directions, .n_directions = nqm_directions_count(directions)};
+    nqm_corpus c = {
+        .options = &options, .directions = directions, .n_directions = nqm_directions_get_info(directions).n};
     size_t n_name, n_kept;
     nqm_status status = nqm_options_check(&nqm_corpus_option_table, &options, err);
     if (status == NQM_OK)

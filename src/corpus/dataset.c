@@ -111,7 +111,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     if (checked != NQM_OK)
         return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,
-                                       .directions_deg = nqm_directions_degrees(c->directions),
+                                       .directions_deg = nqm_directions_get_info(c->directions).degrees,
                                        .max_refs = c->list.n_refs,
                                        .max_pairs = c->list.n_rows,
                                        .has_parts = true,

@@ -11,7 +11,7 @@
 #include <string.h>
 
 nqm_status nqm_corpus_view_alloc(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err) {
-    size_t n = corpus->n_directions, n_points = nqm_scene_count(corpus->scene);
+    size_t n = corpus->n_directions, n_points = nqm_scene_get_info(corpus->scene).n_points;
     return nqm_alloc_arrays(NQM_ARRAYS({&view->rgb, n, 3 * sizeof *view->rgb}, {&view->used, n, 1},
                                        {&view->picture, n_points, 9 * sizeof *view->picture}),
                             err);
@@ -48,16 +48,12 @@ static int ask(void *user, const char *stage, double done, double total) {
     return corpus->step(corpus->step_user, 0);
 }
 
-static bool begins_with(const char *text, const char *prefix) {
-    return strncmp(text, prefix, strlen(prefix)) == 0;
-}
-
 /* A file, preset or spec. Decoders of neural processes become tables, because dozens of copies are rendered. */
 static nqm_status open_leaf(const nqm_corpus *corpus, const char *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_ticker ticker = {.fn = ask, .user = (void *)corpus};
     nqm_brdf *form;
     *brdf_ret = NULL;
-    nqm_status status = nqm_brdf_open_below(argument, corpus->list.root, &form, err);
+    nqm_status status = nqm_argument_open_below(argument, corpus->list.root, &form, err);
     if (status != NQM_OK)
         return status;
     if (!form->class_->is_costly || corpus->options->scene.exact) {
@@ -75,7 +71,7 @@ static nqm_status open_nested(const opening *o, const char *argument, nqm_brdf *
     const nqm_fit_context context = {.open = open_any,
                                      .user = (void *)o,
                                      .n_own = o->corpus->n_directions,
-                                     .own_deg = nqm_directions_degrees(o->corpus->directions),
+                                     .own_deg = nqm_directions_get_info(o->corpus->directions).degrees,
                                      .progress = ask,
                                      .progress_user = (void *)o->corpus};
     return nqm_fit_open(argument, &context, brdf_ret, err);
@@ -124,10 +120,11 @@ static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret
         *brdf_ret = status == NQM_OK ? view->brdf : NULL;
         return status;
     }
-    if (o->fits && begins_with(argument, "fit:")) /* its argument lives as long as the list */
+    const nqm_argument_kind kind = nqm_argument_kind_of(argument);
+    if (o->fits && kind == NQM_ARGUMENT_FIT) /* its argument lives as long as the list */
         return open_fit(o, argument, brdf_ret, err);
     *is_lent_ret = false;
-    if (begins_with(argument, "fit:") || nqm_spec_wrapper_of(argument))
+    if (kind == NQM_ARGUMENT_FIT || kind == NQM_ARGUMENT_WRAPPER)
         return open_nested(o, argument, brdf_ret, err);
     return open_leaf(o->corpus, argument, brdf_ret, err);
 }

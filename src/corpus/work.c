@@ -70,7 +70,7 @@ static nqm_status hash_base(void *user, const char *base, nqm_error *err) {
 static nqm_status hash_argument(hashing *h, const char *argument, nqm_error *err) {
     nqm_error fault = {0};
     hash_text(h->sha, argument);
-    nqm_status status = nqm_fit_visit_bases(argument, hash_base, h, &fault);
+    nqm_status status = nqm_argument_visit_bases(argument, hash_base, h, &fault);
     if (status == NQM_ERR_NOMEM && err)
         *err = fault;
     return status == NQM_ERR_NOMEM ? status : NQM_OK; /* others are failures of the pair */

@@ -186,4 +186,8 @@ typedef struct nqm_dataset_prediction {
  *          NQM_ERR_NOMEM; any failure of batch_done */
 NQM_MUST_CHECK nqm_status nqm_dataset_predict(const nqm_dataset_prediction *prediction, nqm_error *err);
 
+/** nqm_dataset_load() of the authors' layout. */
+NQM_MUST_CHECK nqm_status nqm_dataset_read_authors(const char *root, const char *labels_csv, nqm_split split,
+                                                   nqm_dataset **dataset_ret, nqm_error *err);
+
 #endif

@@ -187,9 +187,8 @@ static nqm_status read_directions(reader *r, nqm_error *err) {
     return status;
 }
 
-nqm_status nqm_dataset_load_authors(const char *root, const char *labels_csv, nqm_split split,
+nqm_status nqm_dataset_read_authors(const char *root, const char *labels_csv, nqm_split split,
                                     nqm_dataset **dataset_ret, nqm_error *err) {
-    NQM_MAKE(err, dataset_ret, root, labels_csv);
     reader r = {.root = root, .csv_path = labels_csv, .split = split == NQM_SPLIT_ALL ? NQM_SPLIT_TRAIN : split};
     nqm_status status = open_labels(&r, err);
     if (status == NQM_OK)

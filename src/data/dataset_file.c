@@ -143,8 +143,11 @@ nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const ch
     return status;
 }
 
-nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_error *err) {
+nqm_status nqm_dataset_load(const char *path, const char *labels_csv, nqm_split split, nqm_dataset **dataset_ret,
+                            nqm_error *err) {
     NQM_MAKE(err, dataset_ret, path);
+    if (labels_csv)
+        return nqm_dataset_read_authors(path, labels_csv, split, dataset_ret, err);
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)

@@ -3,7 +3,7 @@
  * Builds a dataset from the answers of people by sampling the BRDFs that the answers name. Rows are sorted by reference
  * and test; a BRDF that is in several of them is sampled once.
  */
-#include "brdf/brdf.h"
+#include "argument/argument.h"
 #include "data/human.h"
 
 #include <math.h>
@@ -103,7 +103,7 @@ static nqm_status sample_brdf(reader *r, const char *name, size_t row, float *rg
     }
     nqm_error inner = {0};
     nqm_brdf *brdf = NULL;
-    nqm_status status = nqm_brdf_open_below(name, r->options->root, &brdf, &inner);
+    nqm_status status = nqm_argument_open_below(name, r->options->root, &brdf, &inner);
     if (status == NQM_OK)
         status = nqm_sample(brdf, d->directions, NQM_INVALID_DROP, rgb, used, NULL, &inner);
     for (size_t i = 0; status == NQM_OK && i < d->n_directions; ++i)
@@ -183,8 +183,8 @@ static nqm_status build_dataset(reader *r) {
     if (status != NQM_OK)
         return status;
     const nqm_directions *directions = given ? given : made;
-    const nqm_dataset_limits limits = {.n_directions = nqm_directions_count(directions),
-                                       .directions_deg = nqm_directions_degrees(directions),
+    const nqm_dataset_limits limits = {.n_directions = nqm_directions_get_info(directions).n,
+                                       .directions_deg = nqm_directions_get_info(directions).degrees,
                                        .max_refs = r->n_refs,
                                        .max_pairs = r->n_pairs,
                                        .has_masks = true};

@@ -277,4 +277,12 @@ NQM_MUST_CHECK nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entr
 NQM_MUST_CHECK nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                        uint64_t seed, size_t n_steps, char spec[512], nqm_error *err);
 
+/** 1 if `key` is a lobe parameter of the analytic model `name` or a key of the shading model `name`, which
+ *  nqm_fit_options.bounds can restrict; otherwise 0. */
+int nqm_fit_model_has(const char *name, const char *key);
+
+/** nqm_match() by the loss or the terms of the options. */
+NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
+                                  nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err);
+
 #endif

@@ -127,8 +127,8 @@ const char *const nqm_match_uncovered =
 static bool is_covered(const nqm_brdf *ref, const nqm_model *model) {
     const double near = NQM_PI / 180;
     const nqm_directions *directions = nqm_model_get_info(model).directions;
-    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
-    const size_t n = nqm_directions_count(directions);
+    const double *wi = nqm_directions_get_info(directions).wi, *wo = nqm_directions_get_info(directions).wo;
+    const size_t n = nqm_directions_get_info(directions).n;
     size_t n_near = 0;
     for (size_t i = 0; i < n; ++i) {
         double rgb[3];
@@ -160,7 +160,11 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
                      nqm_error *err) {
     if (brdf_ret)
         *brdf_ret = NULL;
-    NQM_REQUIRE(err, ref, model, loss, report_ret);
+    NQM_REQUIRE(err, ref, model, report_ret);
+    if (!loss) {
+        *report_ret = (nqm_match_report){.difference = NAN};
+        return nqm_fit(ref, model, options_or_null, &report_ret->fit, brdf_ret, err);
+    }
     setting s = {.ref = ref, .model = model, .loss = loss};
     s.options = options_or_null ? *options_or_null : nqm_fit_options_default();
     nqm_match_report report = {.difference = NAN};

@@ -31,7 +31,7 @@ static double evaluate(void *user, const double *rgb, double *gradient) {
 static nqm_status sample(const nqm_model *model, const nqm_brdf *ref, double min_valid, nqm_match_visual *v,
                          nqm_error *err) {
     const nqm_model_info info = nqm_model_get_info(model);
-    const double *wi = nqm_directions_wi(info.directions), *wo = nqm_directions_wo(info.directions);
+    const double *wi = nqm_directions_get_info(info.directions).wi, *wo = nqm_directions_get_info(info.directions).wo;
     size_t n_used = 0;
     nqm_status status = nqm_sample(ref, info.directions, NQM_INVALID_DROP, v->ref, v->used, NULL, err);
     for (size_t i = 0; i < v->visual.n; ++i)
@@ -47,7 +47,7 @@ static nqm_status sample(const nqm_model *model, const nqm_brdf *ref, double min
 
 nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
     const nqm_directions *directions = nqm_model_get_info(model).directions;
-    size_t n = nqm_directions_count(directions);
+    size_t n = nqm_directions_get_info(directions).n;
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     *v = (nqm_match_visual){.quantity = NQM_SCORE_DELTA_E};
@@ -61,8 +61,11 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
                                          err);
     if (status != NQM_OK)
         return status;
-    v->visual = (nqm_fit_visual){
-        .n = n, .wi = nqm_directions_wi(directions), .wo = nqm_directions_wo(directions), .eval = evaluate, .user = v};
+    v->visual = (nqm_fit_visual){.n = n,
+                                 .wi = nqm_directions_get_info(directions).wi,
+                                 .wo = nqm_directions_get_info(directions).wo,
+                                 .eval = evaluate,
+                                 .user = v};
     status = sample(model, ref, options.min_valid_fraction, v, err);
     if (status == NQM_OK)
         status = nqm_scorer_create(model, &options, &v->scorer, err);

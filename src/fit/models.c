@@ -92,12 +92,12 @@ enum { N_ENTRIES = sizeof entries / sizeof *entries };
 static const nqm_fit_entry shadings[] = {NQM_SHADING_SCHEMAS(SHADING_ENTRY){.name = NULL}};
 enum { N_SHADINGS = sizeof shadings / sizeof *shadings - 1 };
 
-const char *nqm_fit_model(size_t i) {
-    return i < N_ENTRIES ? entries[i].name : NULL;
-}
+_Static_assert((int)N_ENTRIES == (int)NQM_FIT_FIRST_SHADING, "shading models follow the others");
 
-const char *nqm_fit_shading(size_t i) {
-    return i < N_SHADINGS ? shadings[i].model->schema->model : NULL;
+const char *nqm_fit_model(size_t i) {
+    if (i < N_ENTRIES)
+        return entries[i].name;
+    return i < N_ENTRIES + N_SHADINGS ? shadings[i - N_ENTRIES].model->schema->model : NULL;
 }
 
 static const nqm_fit_entry *entry_at(size_t i) {

@@ -6,63 +6,11 @@
  */
 #include "fit/open.h"
 #include "base/names.h"
-#include "brdf/brdf.h"
 #include "math/math.h"
 
 #include <string.h>
 
-enum { MAX_DEPTH = 16, MAX_OVERFITTED = 100000 };
-
-/* ---- parts of an argument ---------------------------------------------------------------------------------------- */
-
-/* "WRAPPER:SETTINGS;of=OF" or "WRAPPER:SETTINGS;with=(WITH);of=OF", cut in `text`. */
-typedef struct parts {
-    char *text; /* owned */
-    enum { BASE, FIT, WRAPPER } form;
-    const nqm_spec_wrapper *wrapper;
-    const char *settings, *with, *of; /* NULL: there is none */
-} parts;
-
-/* The caller frees p->text. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
-static nqm_status split(const char *argument, parts *p, nqm_error *err) {
-    *p = (parts){.text = nqm_strdup(argument), .wrapper = nqm_spec_wrapper_of(argument)};
-    if (!p->text)
-        return nqm_fail_nomem(err, strlen(argument) + 1);
-    p->form = strncmp(argument, "fit:", 4) == 0 ? FIT : p->wrapper ? WRAPPER : BASE;
-    if (p->form == BASE)
-        return NQM_OK;
-    char *settings = p->text + strcspn(argument, ":") + 1;
-    p->settings = settings;
-    if (!nqm_wrapper_cut(settings, p->wrapper && p->wrapper->has_with, &p->with, &p->of) || !*p->of || !*settings) {
-        if (p->form == FIT)
-            return nqm_fail(err, NQM_ERR_ARG, -1,
-                            "fit: 'of=' and a BRDF are missing at the end (fit:model=ggx;of=BRDF)");
-        p->form = BASE;
-    }
-    return NQM_OK;
-}
-
-static nqm_status visit_at(const char *argument, size_t depth,
-                           nqm_status (*visit)(void *user, const char *base, nqm_error *err), void *user,
-                           nqm_error *err) {
-    parts p;
-    nqm_status status = split(argument, &p, err);
-    if (status == NQM_OK && depth > MAX_DEPTH)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "a BRDF argument has more than %d levels", MAX_DEPTH);
-    if (status == NQM_OK && p.form == BASE)
-        status = visit(user, argument, err);
-    if (status == NQM_OK && p.form != BASE && p.with)
-        status = visit_at(p.with, depth + 1, visit, user, err);
-    if (status == NQM_OK && p.form != BASE)
-        status = visit_at(p.of, depth + 1, visit, user, err);
-    nqm_free(p.text);
-    return status;
-}
-
-nqm_status nqm_fit_visit_bases(const char *argument, nqm_status (*visit)(void *user, const char *base, nqm_error *err),
-                               void *user, nqm_error *err) {
-    return visit_at(argument, 0, visit, user, err);
-}
+enum { MAX_OVERFITTED = 100000 };
 
 /* ---- settings of a fit ------------------------------------------------------------------------------------------- */
 
@@ -185,56 +133,38 @@ static nqm_status fit(const nqm_brdf *ref, char *text, const nqm_fit_context *co
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status open_base(const nqm_fit_context *context, const char *argument, nqm_brdf **brdf_ret, bool *is_lent,
-                            nqm_error *err) {
+static nqm_status open_base(void *user, const char *text, nqm_brdf **brdf_ret, bool *is_lent, nqm_error *err) {
+    const nqm_fit_context *context = user;
     *is_lent = false;
     *brdf_ret = NULL;
-    return context->open ? context->open(context->user, argument, brdf_ret, is_lent, err)
-                         : nqm_fit_open(argument, context, brdf_ret, err);
+    return context->open ? context->open(context->user, text, brdf_ret, is_lent, err)
+                         : nqm_fit_open(text, context, brdf_ret, err);
 }
 
-static void drop(nqm_brdf *brdf, bool is_lent) {
-    if (!is_lent)
-        nqm_brdf_free(brdf);
-}
-
-static nqm_status open_wrapper(const parts *p, const nqm_fit_context *context, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_brdf *of, *with = NULL;
-    bool of_lent, with_lent = true;
-    nqm_status status = open_base(context, p->of, &of, &of_lent, err);
+static nqm_status open_fit(const nqm_argument *a, const nqm_fit_context *context, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_brdf *of = NULL;
+    bool is_lent = false;
+    nqm_status status = open_base((void *)(uintptr_t)context, a->of, &of, &is_lent, err);
     if (status != NQM_OK)
         return status;
-    if (p->with)
-        status = open_base(context, p->with, &with, &with_lent, err);
-    if (status != NQM_OK) {
-        drop(of, of_lent);
-        return status;
-    }
-    const nqm_between_bases bases = {.of = of, .with = with, .owns_of = !of_lent, .owns_with = !with_lent};
-    return nqm_wrapper_make(p->wrapper, p->settings, &bases, brdf_ret, err);
+    status = fit(of, (char *)(uintptr_t)a->settings, context, brdf_ret, err);
+    if (!is_lent)
+        nqm_brdf_free(of);
+    return status;
 }
 
 nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context_or_null, nqm_brdf **brdf_ret,
                         nqm_error *err) {
     const nqm_fit_context none = {0}, *context = context_or_null ? context_or_null : &none;
-    parts p;
-    nqm_brdf *of = NULL;
-    bool is_lent = false;
     NQM_MAKE(err, brdf_ret, argument);
-    if (!context->open && !strstr(argument, "fit:"))
-        return nqm_brdf_open(argument, brdf_ret, err);
-    nqm_status status = split(argument, &p, err);
-    if (status == NQM_OK && p.form == WRAPPER) {
-        status = open_wrapper(&p, context, brdf_ret, err);
-    } else if (status == NQM_OK && p.form == BASE) {
-        status = nqm_brdf_open(argument, brdf_ret, err);
-    } else if (status == NQM_OK) {
-        status = open_base(context, p.of, &of, &is_lent, err);
-        if (status == NQM_OK) {
-            status = fit(of, (char *)(uintptr_t)p.settings, context, brdf_ret, err);
-            drop(of, is_lent);
-        }
-    }
-    nqm_free(p.text);
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    if (!a)
+        return nqm_fail_nomem(err, strlen(argument) + 1);
+    const bool is_made = a->err.status == NQM_OK && (context->open || strstr(argument, "fit:"));
+    nqm_status status = is_made && a->kind == NQM_ARGUMENT_FIT ? open_fit(a, context, brdf_ret, err)
+                        : is_made && a->kind == NQM_ARGUMENT_WRAPPER
+                            ? nqm_argument_wrap(a, NULL, open_base, (void *)(uintptr_t)context, brdf_ret, err)
+                            : nqm_argument_open(a, brdf_ret, err);
+    nqm_argument_free(a);
     return status;
 }

@@ -155,7 +155,7 @@ static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
         ev->has_unseen = ev->has_unseen || ev->unseen[i];
     for (size_t i = 0; i < ev->n_predictors; ++i)
         ev->names[i] = i < ev->n_models                      ? ev->models[i]->id
-                       : i < ev->n_models + NQM_METRIC_COUNT ? nqm_metric_name((nqm_metric)(i - ev->n_models))
+                       : i < ev->n_models + NQM_METRIC_COUNT ? nqm_metric_get_info((nqm_metric)(i - ev->n_models)).name
                                                              : "estimate";
     return status;
 }

@@ -19,7 +19,7 @@ typedef struct nqm_estimate {
 
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;      /**< the model's id, nqm_metric_name(), or "estimate" */
+    const char *name;      /**< the model's id, nqm_metric_info.name, or "estimate" */
     size_t n, n_materials; /**< pairs and material groups */
     size_t n_ordered;      /**< pairs of tests of one material whose labels differ by more than order_margin */
     nqm_estimate spearman; /**< over all pairs */

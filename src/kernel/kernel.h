@@ -173,7 +173,16 @@ static inline void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const fl
     nqm_kernels_get()->adam(n, rate, grad, m, v, param);
 }
 
-/** nqm_precision_name() as a NULL-terminated list. */
+/** The names of nqm_precision, "f32" and "bf16", then NULL. */
 extern const char *const nqm_precision_words[];
+
+/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, the widest
+ *  instructions first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and
+ *  the reference for the others. */
+const char *nqm_kernels_name(size_t i);
+
+/** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the first. NQM_ERR_ARG when this
+ *  processor does not support it. Do not call it while another thread computes. */
+NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
 
 #endif

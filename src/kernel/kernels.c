@@ -58,10 +58,6 @@ const char *nqm_kernels_name(size_t i) {
     return kernels ? kernels->name : NULL;
 }
 
-const char *nqm_kernels_selected(void) {
-    return nqm_kernels_get()->name;
-}
-
 nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
     const nqm_kernels *kernels = NULL;
     for (size_t i = 0; name && (kernels = nqm_kernels_at(i)) && strcmp(kernels->name, name) != 0;)
@@ -73,7 +69,3 @@ nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
 }
 
 const char *const nqm_precision_words[] = {"f32", "bf16", NULL};
-
-const char *nqm_precision_name(nqm_precision precision) {
-    return (unsigned)precision < NQM_PRECISION_COUNT ? nqm_precision_words[precision] : NULL;
-}

@@ -63,8 +63,20 @@ static nqm_label compare_one(const nqm_scene *scene, const double *ref_cdm2, con
     return label;
 }
 
-nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
+static void map_differences(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, double *delta_e) {
+    for (size_t i = 0; i < scene->seen.n; ++i) {
+        double ref[3], test[3];
+        see(scene, ref_cdm2 + 3 * i, ref);
+        see(scene, test_cdm2 + 3 * i, test);
+        double d[3] = {test[0] - ref[0], test[1] - ref[1], test[2] - ref[2]};
+        delta_e[i] = sqrt(nqm_dot3(d, d));
+    }
+}
+
+nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, double *delta_e) {
     assert(scene && ref_cdm2 && test_cdm2);
+    if (delta_e)
+        map_differences(scene, ref_cdm2, test_cdm2, delta_e);
     nqm_label mean = {.delta_e = 0};
     for (size_t p = 0; p < scene->n_parts; ++p) {
         const nqm_label label = compare_one(scene->parts[p], ref_cdm2, test_cdm2);
@@ -80,11 +92,11 @@ nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm
     /* The bias falls as n^-1.3 with the number of directions (doc/labels.md): 1 / (2^1.3 - 1) of what half of them add. */
     static const double share = 0.68;
     const size_t n = 3 * scene->seen.n;
-    const nqm_label whole = nqm_scene_compare(scene, ref_cdm2, test_cdm2);
+    const nqm_label whole = nqm_scene_compare(scene, ref_cdm2, test_cdm2, NULL);
     nqm_label label = {.delta_e = 0};
     nqm_label_add(&label, 1 + share, &whole);
     for (size_t h = 1; h <= 2; ++h) {
-        const nqm_label half = nqm_scene_compare(scene, ref_cdm2 + h * n, test_cdm2 + h * n);
+        const nqm_label half = nqm_scene_compare(scene, ref_cdm2 + h * n, test_cdm2 + h * n, NULL);
         nqm_label_add(&label, -0.5 * share, &half);
     }
     label.error = hypot(whole.error, 0.5 * (label.delta_e - whole.delta_e));
@@ -96,7 +108,7 @@ nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm
 nqm_status nqm_scene_label(const nqm_scene *scene, const nqm_scene_picture *ref, const nqm_scene_picture *test,
                            nqm_label *label_ret, double *delta_e, double *valid_ret, nqm_error *err) {
     NQM_REQUIRE(err, scene, ref, test, label_ret);
-    const size_t n = nqm_scene_count(scene);
+    const size_t n = nqm_scene_get_info(scene).n_points;
     const double *ref_cdm2 = ref->rgb_cdm2, *test_cdm2 = test->rgb_cdm2;
     double valid = fmin(ref->valid, test->valid), *both = NULL;
     nqm_status status = NQM_OK;
@@ -112,21 +124,10 @@ nqm_status nqm_scene_label(const nqm_scene *scene, const nqm_scene_picture *ref,
     if (status == NQM_OK) {
         *label_ret = nqm_scene_compare_halves(scene, ref_cdm2, test_cdm2);
         if (delta_e)
-            nqm_scene_delta_e_map(scene, ref_cdm2, test_cdm2, delta_e);
+            map_differences(scene, ref_cdm2, test_cdm2, delta_e);
     }
     if (valid_ret)
         *valid_ret = valid;
     nqm_free(both);
     return status;
-}
-
-void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, double *delta_e) {
-    assert(scene && ref_cdm2 && test_cdm2 && delta_e);
-    for (size_t i = 0; i < scene->seen.n; ++i) {
-        double ref[3], test[3];
-        see(scene, ref_cdm2 + 3 * i, ref);
-        see(scene, test_cdm2 + 3 * i, test);
-        double d[3] = {test[0] - ref[0], test[1] - ref[1], test[2] - ref[2]};
-        delta_e[i] = sqrt(nqm_dot3(d, d));
-    }
 }

@@ -61,9 +61,9 @@ static nqm_status fill(const nqm_scene_options *scene_options, size_t n_lights, 
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
         return status;
-    if (nqm_scene_count(scene) != to->n_points)
-        status =
-            nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), to->n_points);
+    if (nqm_scene_get_info(scene).n_points != to->n_points)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_get_info(scene).n_points,
+                          to->n_points);
     for (size_t s = 0, first = 0; status == NQM_OK && s < scene->n_parts; first += scene->parts[s++]->seen.n) {
         scene_job job = {to, scene->parts[s], s, first};
         nqm_parallel_for(job.scene->seen.n, visit_point, &job);

@@ -10,7 +10,8 @@
 /* A material that has values or maps. */
 typedef struct look {
     nqm_values values;
-    nqm_library_maps found;
+    nqm_argument *argument;
+    nqm_textured *owned;
     const nqm_textured *maps; /* NULL: none */
 } look;
 
@@ -23,12 +24,16 @@ typedef struct comparison {
 } comparison;
 
 /* false: it has neither. */
-static bool open_look(comparison *c, nqm_pairs_files *files, const char *argument, look *to) {
+static bool open_look(comparison *c, nqm_argument_files *files, const char *argument, look *to) {
     nqm_material_info info = {.spec = NULL};
-    if (nqm_pairs_find_material(files, argument, &info) && info.spec)
+    to->argument = nqm_argument_parse(argument, files);
+    c->is_short = c->is_short || !to->argument;
+    if (!to->argument)
+        return false;
+    if (nqm_argument_material(to->argument, &info) && info.spec)
         return nqm_values_parse_spec(info.spec, &to->values, NULL) == NQM_OK;
-    c->is_short = nqm_library_find_maps(argument, &to->found, NULL) == NQM_ERR_NOMEM || c->is_short;
-    to->maps = to->found.maps;
+    if (nqm_argument_maps(to->argument, &to->maps, &to->owned, NULL) == NQM_ERR_NOMEM)
+        c->is_short = true;
     if (to->maps)
         to->values = to->maps->values;
     return to->maps != NULL;
@@ -194,7 +199,7 @@ static void compare_keys(comparison *c, const look *keys) {
         compare_key(c, "normal");
 }
 
-nqm_status nqm_library_compare(nqm_pairs_files *files, nqm_library_pair *pair, nqm_error *err) {
+nqm_status nqm_library_compare(nqm_argument_files *files, nqm_library_pair *pair, nqm_error *err) {
     comparison *c = nqm_alloc(1, sizeof *c);
     if (!c)
         return nqm_fail_nomem(err, sizeof *c);
@@ -208,11 +213,14 @@ nqm_status nqm_library_compare(nqm_pairs_files *files, nqm_library_pair *pair, n
         compare_keys(c, &c->before);
         compare_keys(c, &c->after);
     }
-    nqm_library_free_maps(&c->before.found);
-    nqm_library_free_maps(&c->after.found);
+    for (size_t i = 0; i < 2; ++i) {
+        look *of = i ? &c->after : &c->before;
+        nqm_textured_free(of->owned);
+        nqm_argument_free(of->argument);
+    }
     pair->changes = c->changes;
     pair->n_changes = c->n;
-    const bool is_short = c->is_short || files->is_short;
+    const bool is_short = c->is_short;
     nqm_free(c);
     return is_short ? nqm_fail_nomem(err, sizeof *c) : NQM_OK;
 }

@@ -176,7 +176,7 @@ static size_t set_pairs(const versions *v) {
 
 static nqm_status score_versions(versions *v, nqm_error *err) {
     struct nqm_library_state *s = v->after->state;
-    nqm_pairs_files files = {.is_short = false};
+    nqm_argument_files *files = nqm_argument_files_create(); /* NULL: they are parsed again */
     size_t n = v->before->n;
     for (size_t k = 0; k < v->after->n; ++k)
         n += !v->is_partner[k];
@@ -188,10 +188,10 @@ static nqm_status score_versions(versions *v, nqm_error *err) {
         nqm_library_pair *pair = &s->pairs[i];
         status = nqm_library_step(s, "compare", i, n_pairs, err);
         if (status == NQM_OK)
-            status = nqm_library_compare(&files, pair, err);
-        pair->is_refused_alike = pair->error.status != NQM_OK && nqm_pairs_refused_alike(&files, &pair->names);
+            status = nqm_library_compare(files, pair, err);
+        pair->is_refused_alike = pair->error.status != NQM_OK && nqm_pairs_refused_alike(files, &pair->names);
     }
-    nqm_pairs_forget(&files);
+    nqm_argument_files_free(files);
     if (status == NQM_OK)
         qsort(s->pairs, n_pairs, sizeof *s->pairs, worst_first);
     return status;

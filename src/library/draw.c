@@ -15,33 +15,34 @@ nqm_status nqm_library_need_scorer(struct nqm_library_state *s, nqm_error *err) 
 
 enum { SIDE = 8, N_TEXELS = SIDE * SIDE };
 
-/* The specs of texels at the same positions of every surface, without the tilts of their normals, which only the scores know. */
-static nqm_status make_specs(const nqm_texture *texture, char *specs[N_TEXELS], nqm_error *err) {
+/* Texels at the same positions of every surface, without the tilts of their normals, which only the scores know. */
+static nqm_status choose_texels(const nqm_texture *texture, nqm_values *values, nqm_subject *subjects, nqm_error *err) {
     double u[N_TEXELS], v[N_TEXELS];
     float *rows = nqm_alloc((size_t)texture->n_rows * NQM_TEXEL_BLOCK + 1, sizeof *rows);
-    bool is_complete = rows != NULL;
     for (size_t i = 0; i < N_TEXELS; ++i) {
         u[i] = ((double)(i % SIDE) + 0.5) / SIDE;
         v[i] = ((double)(i / SIDE) + 0.5) / SIDE;
     }
     if (rows)
         nqm_texture_evaluate(texture, N_TEXELS, u, v, rows);
-    for (size_t i = 0; rows && i < N_TEXELS; ++i) {
-        specs[i] = nqm_texture_spec(texture, rows, i);
-        is_complete = is_complete && specs[i];
-    }
+    for (size_t i = 0; rows && i < N_TEXELS; ++i)
+        subjects[i] = nqm_texture_subject(texture, rows, i, &values[i]);
     nqm_free(rows);
-    return is_complete ? NQM_OK : nqm_fail_nomem(err, (size_t)texture->n_rows * NQM_TEXEL_BLOCK * sizeof *rows);
+    return rows ? NQM_OK : nqm_fail_nomem(err, (size_t)texture->n_rows * NQM_TEXEL_BLOCK * sizeof *rows);
 }
 
 static nqm_status draw_texture(struct nqm_library_state *s, const char *argument, nqm_gallery *gallery, size_t at,
                                nqm_error *why, nqm_error *err) {
-    char *specs[N_TEXELS] = {NULL};
+    nqm_values values[N_TEXELS];
+    nqm_subject subjects[N_TEXELS];
     nqm_error errors[N_TEXELS];
     nqm_texture *texture = NULL;
     nqm_gallery *texels = NULL;
     nqm_error failure = {0};
-    nqm_status status = nqm_library_open_texture(&s->terms, argument, &texture, &failure);
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    nqm_status status =
+        a ? nqm_library_open_texture(&s->terms, a, &texture, &failure) : nqm_fail_nomem(&failure, strlen(argument) + 1);
+    nqm_argument_free(a);
     *why = (nqm_error){0};
     if (status == NQM_ERR_CANCELLED || status == NQM_ERR_NOMEM)
         return nqm_fail(err, status, -1, "%s", failure.message);
@@ -49,18 +50,16 @@ static nqm_status draw_texture(struct nqm_library_state *s, const char *argument
         *why = failure;
         return NQM_OK;
     }
-    status = make_specs(texture, specs, err);
+    status = choose_texels(texture, values, subjects, err);
     if (status == NQM_OK)
         status = nqm_gallery_create(s->model, N_TEXELS, NULL, &texels, err);
     if (status == NQM_OK)
-        status = nqm_scorer_draw(s->scorer, N_TEXELS, (const char *const *)specs, texels, 0, errors, err);
+        status = nqm_scorer_draw(s->scorer, N_TEXELS, subjects, texels, 0, errors, err);
     for (size_t i = 0; status == NQM_OK && why->status == NQM_OK && i < N_TEXELS; ++i)
         if (errors[i].status != NQM_OK)
             *why = errors[i];
     if (status == NQM_OK)
         nqm_gallery_average(gallery, at, texels, N_TEXELS);
-    for (size_t i = 0; i < N_TEXELS; ++i)
-        nqm_free(specs[i]);
     nqm_gallery_free(texels);
     nqm_texture_free(texture);
     return status;
@@ -68,8 +67,9 @@ static nqm_status draw_texture(struct nqm_library_state *s, const char *argument
 
 nqm_status nqm_library_draw_one(struct nqm_library_state *s, const nqm_library_member *member, nqm_gallery *gallery,
                                 size_t at, nqm_error *why, nqm_error *err) {
+    const nqm_subject subject = nqm_subject_named(member->argument);
     return member->is_textured ? draw_texture(s, member->argument, gallery, at, why, err)
-                               : nqm_scorer_draw(s->scorer, 1, &member->argument, gallery, at, why, err);
+                               : nqm_scorer_draw(s->scorer, 1, &subject, gallery, at, why, err);
 }
 
 /* Members without values have no texts any more. */
@@ -85,16 +85,16 @@ static nqm_status draw_block(nqm_library *of, size_t begin, size_t n, size_t *n_
     enum { MOST_REPORTED = 5 };
     struct nqm_library_state *s = of->state;
     nqm_library_member *members = &s->members[begin];
-    const char *names[NQM_SCORE_BLOCK];
+    nqm_subject subjects[NQM_SCORE_BLOCK];
     nqm_error errors[NQM_SCORE_BLOCK];
     size_t n_good = 0;
     for (size_t i = 0; i < n; ++i)
-        names[i] = members[i].argument;
+        subjects[i] = nqm_subject_named(members[i].argument);
     nqm_status status = n == 1 ? nqm_library_draw_one(s, members, s->gallery, *first, errors, err)
-                               : nqm_scorer_draw(s->scorer, n, names, s->gallery, *first, errors, err);
+                               : nqm_scorer_draw(s->scorer, n, subjects, s->gallery, *first, errors, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         if (errors[i].status == NQM_OK) {
-            names[n_good++] = names[i];
+            subjects[n_good++] = subjects[i];
             continue;
         }
         if ((*n_failed)++ < MOST_REPORTED)
@@ -102,7 +102,7 @@ static nqm_status draw_block(nqm_library *of, size_t begin, size_t n, size_t *n_
         leave_out(&members[i]);
     }
     if (status == NQM_OK && n_good && n_good < n) /* their samples are in the cache */
-        status = nqm_scorer_draw(s->scorer, n_good, names, s->gallery, *first, errors, err);
+        status = nqm_scorer_draw(s->scorer, n_good, subjects, s->gallery, *first, errors, err);
     *first += n_good;
     return status;
 }

@@ -111,15 +111,18 @@ nqm_status nqm_library_read_index(nqm_library *of, nqm_error *err) {
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* The files of the maps of an argument. */
+static void put_file(void *stream, const char *path) {
+    fprintf(stream, "%s%c", path, 0);
+}
+
+/* The files that an argument reads. */
 static nqm_status put_maps(const char *argument, FILE *to, nqm_error *err) {
-    nqm_library_maps found;
-    const nqm_status status = nqm_library_find_maps(argument, &found, err);
-    for (size_t i = 0; found.maps && i < found.maps->n_images; ++i)
-        if (found.maps->images[i].path)
-            fprintf(to, "%s%c", found.maps->images[i].path, 0);
-    nqm_library_free_maps(&found);
-    return status == NQM_ERR_NOMEM ? status : NQM_OK;
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    if (!a)
+        return nqm_fail_nomem(err, strlen(argument) + 1);
+    nqm_argument_visit_files(a, put_file, to);
+    nqm_argument_free(a);
+    return NQM_OK;
 }
 
 /* The texts of the first and third tensor; free() both. */

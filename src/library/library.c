@@ -135,8 +135,7 @@ static nqm_status list_files(struct nqm_library_state *s, size_t n, const char *
                              nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        unsigned ignored; /* what is ignored is asked for each material */
-        const char *path = where[i] + nqm_ignore_prefix(where[i], &ignored);
+        const char *path = nqm_argument_rest(where[i]); /* what is ignored is asked for each material */
         if (is_folder(path))
             status = walk(s, path, &files->text, err);
         else if (strcmp(path, "/dev/null") != 0)

@@ -6,6 +6,7 @@
 #ifndef NQM_SRC_LIBRARY_H
 #define NQM_SRC_LIBRARY_H
 
+#include "argument/argument.h"
 #include "metric/metric.h"
 #include "pairs/pairs.h"
 #include "texture/texture.h"
@@ -31,23 +32,13 @@ typedef struct nqm_library_kept {
 /** The result of a pair of textures as that of a pair of BRDFs. */
 nqm_score_result nqm_library_texture_result(const nqm_texture_result *t);
 /** Open an argument as a texture, and report what of it is not used. */
-NQM_MUST_CHECK nqm_status nqm_library_open_texture(const nqm_library_terms *terms, const char *argument,
+NQM_MUST_CHECK nqm_status nqm_library_open_texture(const nqm_library_terms *terms, nqm_argument *argument,
                                                    nqm_texture **texture_ret, nqm_error *err);
 /** Score a pair of textures; result->status is that of the call. heat: receives the Delta-E of the texels if the terms want it;
  *  nqm_free() it. */
 NQM_MUST_CHECK nqm_status nqm_library_score_texture(const nqm_library_terms *terms, const nqm_named_pair *pair,
                                                     nqm_library_kept *ref, nqm_texture_result *t,
                                                     nqm_score_result *result, float **heat, nqm_error *err);
-
-/** What is computed from the maps of an argument. */
-typedef struct nqm_library_maps {
-    const nqm_textured *maps; /* NULL: it has none */
-    nqm_textured *own;
-    nqm_materials *materials;
-} nqm_library_maps;
-/** Find them; no image is read. nqm_library_free_maps() it, also on failure. */
-NQM_MUST_CHECK nqm_status nqm_library_find_maps(const char *argument, nqm_library_maps *found, nqm_error *err);
-void nqm_library_free_maps(nqm_library_maps *found);
 
 /* ---- libraries --------------------------------------------------------------------------------------------------- */
 
@@ -117,6 +108,6 @@ NQM_MUST_CHECK nqm_status nqm_library_jod(struct nqm_library_state *s, const nqm
 double nqm_library_least_estimate(double jod);
 
 /** Set the properties and maps that changed between the materials of a pair; what has no such properties has none. */
-NQM_MUST_CHECK nqm_status nqm_library_compare(nqm_pairs_files *files, nqm_library_pair *pair, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_library_compare(nqm_argument_files *files, nqm_library_pair *pair, nqm_error *err);
 
 #endif

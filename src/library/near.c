@@ -105,14 +105,13 @@ static nqm_status score_nearest(nqm_library *of, const nqm_library_query *query,
 
 static nqm_status find_nearest(nqm_library *of, const nqm_library_query *query, nqm_error *err) {
     struct nqm_library_state *s = of->state;
-    nqm_pairs_files files = {.is_short = false};
-    nqm_material_info info;
+    nqm_argument *to = nqm_argument_parse(query->to, NULL);
+    if (!to)
+        return nqm_fail_nomem(err, strlen(query->to) + 1);
     nqm_gallery *one = NULL;
     nqm_error why = {0};
-    const bool is_textured =
-        nqm_maps_probe(query->to) || (nqm_pairs_find_material(&files, query->to, &info) && info.n_maps > 0);
-    const nqm_library_member self = {query->to, NULL, is_textured};
-    nqm_pairs_forget(&files);
+    const nqm_library_member self = {query->to, NULL, nqm_argument_is_textured(to)};
+    nqm_argument_free(to);
     nqm_status status = nqm_gallery_create(s->model, 1, NULL, &one, err);
     if (status == NQM_OK)
         status = nqm_library_need_scorer(s, err);
@@ -123,7 +122,7 @@ static nqm_status find_nearest(nqm_library *of, const nqm_library_query *query, 
     if (status == NQM_OK)
         status = nqm_library_draw(of, err);
     if (status == NQM_OK)
-        status = score_nearest(of, query, is_textured, one, err);
+        status = score_nearest(of, query, self.is_textured, one, err);
     nqm_gallery_free(one);
     return status;
 }

@@ -30,11 +30,11 @@ nqm_score_result nqm_library_texture_result(const nqm_texture_result *t) {
     return r;
 }
 
-nqm_status nqm_library_open_texture(const nqm_library_terms *terms, const char *argument, nqm_texture **texture_ret,
+nqm_status nqm_library_open_texture(const nqm_library_terms *terms, nqm_argument *argument, nqm_texture **texture_ret,
                                     nqm_error *err) {
-    const nqm_status status = nqm_texture_open(argument, terms->progress, terms->user, texture_ret, err);
+    const nqm_status status = nqm_texture_open_argument(argument, terms->progress, terms->user, texture_ret, err);
     if (status == NQM_OK && *nqm_texture_get_info(*texture_ret, NULL).remark)
-        nqm_library_report(terms, NQM_OK, "%s: %s", argument, nqm_texture_get_info(*texture_ret, NULL).remark);
+        nqm_library_report(terms, NQM_OK, "%s: %s", argument->text, nqm_texture_get_info(*texture_ret, NULL).remark);
     return status;
 }
 
@@ -44,7 +44,10 @@ static nqm_status open_once(const nqm_library_terms *terms, nqm_library_kept *at
         return NQM_OK;
     nqm_texture_free(at->texture);
     *at = (nqm_library_kept){.name = NULL};
-    const nqm_status status = nqm_library_open_texture(terms, name, &at->texture, err);
+    nqm_argument *a = nqm_argument_parse(name, NULL);
+    const nqm_status status =
+        a ? nqm_library_open_texture(terms, a, &at->texture, err) : nqm_fail_nomem(err, strlen(name));
+    nqm_argument_free(a);
     if (status == NQM_OK)
         at->name = name;
     return status;
@@ -77,23 +80,4 @@ nqm_status nqm_library_score_texture(const nqm_library_terms *terms, const nqm_n
         *result = nqm_library_texture_result(t);
     result->status = status;
     return status;
-}
-
-/* ---- maps -------------------------------------------------------------------------------------------------------- */
-
-nqm_status nqm_library_find_maps(const char *argument, nqm_library_maps *found, nqm_error *err) {
-    size_t index = 0;
-    *found = (nqm_library_maps){NULL, NULL, NULL};
-    const nqm_status status = nqm_maps_probe(argument)
-                                  ? nqm_maps_open(argument, &found->own, err)
-                                  : nqm_brdf_find_textured(argument, &found->materials, &index, err);
-    if (status == NQM_OK)
-        found->maps = found->materials ? nqm_materials_maps(found->materials, index, ~0U) : found->own;
-    return status;
-}
-
-void nqm_library_free_maps(nqm_library_maps *found) {
-    nqm_textured_free(found->own);
-    nqm_materials_free(found->materials);
-    *found = (nqm_library_maps){NULL, NULL, NULL};
 }

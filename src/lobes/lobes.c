@@ -15,8 +15,8 @@ typedef struct pictures_job {
 
 static void measure(void *user, size_t i) {
     nqm_lobe_picture *p = &((const pictures_job *)user)->pictures[i];
-    p->status = p->name ? nqm_brdf_open(p->name, &p->opened, NULL) : NQM_OK;
-    p->brdf = p->name ? p->opened : p->brdf;
+    p->status = p->subject ? nqm_subject_open(p->subject, NULL, &p->opened, NULL) : NQM_OK;
+    p->brdf = p->subject ? p->opened : p->brdf;
     if (p->status == NQM_OK)
         p->lobe = nqm_lobe_measure(p->brdf);
 }

@@ -6,12 +6,13 @@
 #ifndef NQM_SRC_LOBES_LOBES_H
 #define NQM_SRC_LOBES_LOBES_H
 
+#include "argument/argument.h"
 #include "brdf/brdf.h"
 #include "sample/slopes.h"
 
 /** A BRDF, and its light at the points of a picture. */
 typedef struct nqm_lobe_picture {
-    const char *name; /* it is opened meanwhile; NULL: `brdf` is given */
+    const nqm_subject *subject; /* it is opened meanwhile; NULL: `brdf` is given */
     const nqm_brdf *brdf;
     size_t ref;    /* the picture with which it is compared: both have the same half vectors if their lobes are alike;
                           SIZE_MAX: none */

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <strings.h>
 
-static const char LIST_PREFIX[] = "maps:";
+static const char LIST_PREFIX[] = NQM_MAPS_PREFIX;
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
 
@@ -307,18 +307,6 @@ size_t nqm_networks_in_folder(const char *path, char **first_ret) {
         free(files[i]);
     free(files);
     return n > 0 ? (size_t)n : 0;
-}
-
-bool nqm_maps_probe(const char *argument) {
-    struct stat st;
-    if (strncmp(argument, LIST_PREFIX, strlen(LIST_PREFIX)) == 0)
-        return true;
-    if (stat(argument, &st) != 0 || !S_ISDIR(st.st_mode))
-        return false;
-    char *network;
-    const bool has_networks = nqm_networks_in_folder(argument, &network) > 0;
-    nqm_free(network);
-    return !has_networks;
 }
 
 nqm_status nqm_maps_open(const char *argument, nqm_textured **textured_ret, nqm_error *err) {

@@ -11,7 +11,6 @@
 
 static const char *const words[] = {"transmission", "subsurface", "emission", "opacity", "displacement", "bump"};
 enum { N_WORDS = sizeof words / sizeof *words };
-static const char prefix[] = "ignore:";
 
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]) {
     size_t used = 0;
@@ -40,13 +39,12 @@ bool nqm_ignore_parse(const char *text, size_t n, unsigned *set_ret) {
     return true;
 }
 
-size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret) {
-    const size_t n = sizeof prefix - 1, n_words = strncmp(argument, prefix, n) == 0 ? strcspn(argument + n, ":") : 0;
-    *set_ret = 0;
-    if (strncmp(argument, prefix, n) != 0 || !argument[n + n_words])
-        return 0;
-    (void)nqm_ignore_parse(argument + n, n_words, set_ret);
-    return n + n_words + 1;
+nqm_status nqm_ignore_refuse(const char *text, nqm_error *err) {
+    return nqm_fail(
+        err, NQM_ERR_ARG, -1,
+        "what is ignored is a list with commas of transmission, subsurface, emission, opacity, displacement "
+        "and bump, not '%.*s'",
+        (int)strcspn(text, ":"), text);
 }
 
 /* ---- what reflects ----------------------------------------------------------------------------------------------- */

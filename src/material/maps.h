@@ -154,10 +154,9 @@ bool nqm_graph_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret
 /** Let a key have the value of a node. */
 void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node);
 
+#define NQM_MAPS_PREFIX "maps:"
 /** A folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf". NQM_ERR_ARG, NQM_ERR_IO, NQM_ERR_NOMEM */
 NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured **textured_ret, nqm_error *err);
-/** Whether it is one: begins with "maps:", or is a folder without networks. */
-bool nqm_maps_probe(const char *argument);
 /** The number of networks (files "...fc1.npy") in a folder; 0 also for other paths. *first_ret: the path of the first; NULL also when out
  *  of memory; nqm_free() it. */
 size_t nqm_networks_in_folder(const char *path, char **first_ret);

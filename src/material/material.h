@@ -58,8 +58,8 @@ enum {
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);
 /** The set of n characters of words; false: one of them is no such word, or there is none. */
 bool nqm_ignore_parse(const char *words, size_t n, unsigned *set_ret);
-/** Length of "ignore:WORDS:" at the beginning of an argument, 0: it does not begin so; *set_ret: 0 if the words are wrong. */
-size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret);
+/** Fail for wrong words, which end at a colon. */
+nqm_status nqm_ignore_refuse(const char *words, nqm_error *err);
 /** nqm_materials_get() with the properties of a set ignored: no refusal where they are all that is ignorable. */
 nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored);
 

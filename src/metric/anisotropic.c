@@ -70,11 +70,13 @@ static void drop_scores(const nqm_model *model, size_t n, nqm_score_result *resu
 }
 
 /* The picture of a BRDF, of which *n have a place. ref: as in nqm_lobe_picture. */
-static size_t find(nqm_lobe_picture *pictures, size_t *n, const char *name, const nqm_brdf *brdf, size_t ref) {
+static size_t find(nqm_lobe_picture *pictures, size_t *n, const nqm_subject *subject, const nqm_brdf *brdf,
+                   size_t ref) {
     for (size_t i = 0; i < *n; ++i)
-        if (pictures[i].ref == ref && (name ? strcmp(pictures[i].name, name) == 0 : pictures[i].brdf == brdf))
+        if (pictures[i].ref == ref &&
+            (subject ? nqm_subjects_equal(pictures[i].subject, subject) : pictures[i].brdf == brdf))
             return i;
-    pictures[*n] = (nqm_lobe_picture){.name = name, .brdf = brdf, .ref = ref};
+    pictures[*n] = (nqm_lobe_picture){.subject = subject, .brdf = brdf, .ref = ref};
     return (*n)++;
 }
 
@@ -95,10 +97,10 @@ nqm_status nqm_anisotropic_score(const nqm_model *anisotropic, const nqm_model *
         return status;
     for (size_t i = 0; i < n; ++i)
         if (nqm_anisotropic_is_needed(model, &results[i])) {
-            const nqm_named_pair named = pairs->named ? pairs->named[i] : (nqm_named_pair){NULL, NULL};
-            const nqm_brdf *test = pairs->named ? NULL : pairs->tests[i];
-            place[i][0] = find(pictures, &n_pictures, named.ref, pairs->ref, SIZE_MAX);
-            place[i][1] = find(pictures, &n_pictures, named.test, test, place[i][0]);
+            const nqm_subject *pair = pairs->subjects ? &pairs->subjects[2 * i] : NULL;
+            const nqm_brdf *test = pair ? NULL : pairs->tests[i];
+            place[i][0] = find(pictures, &n_pictures, pair, pairs->ref, SIZE_MAX);
+            place[i][1] = find(pictures, &n_pictures, pair ? pair + 1 : NULL, test, place[i][0]);
         }
     for (size_t i = 0; i < n_pictures; ++i)
         pictures[i].light = itp + i * n_values;

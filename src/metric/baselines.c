@@ -24,10 +24,6 @@ nqm_metric_info nqm_metric_get_info(nqm_metric metric) {
                              .is_baseline = metric < NQM_METRIC_LOG_DIFF};
 }
 
-const char *nqm_metric_name(nqm_metric metric) {
-    return rows[metric].name;
-}
-
 /* NQM_SCALE_* of a metric. */
 static int scale_of(size_t metric) {
     static const int by_curve[] = {[NQM_VALUE_LINEAR] = NQM_SCALE_F,

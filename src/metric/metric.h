@@ -6,6 +6,7 @@
 #define NQM_SRC_METRIC_H
 
 #include "base/options.h"
+#include "argument/argument.h"
 #include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>
@@ -77,8 +78,8 @@ void nqm_gallery_jods(const nqm_gallery *gallery, size_t a, const nqm_gallery *w
 /** Open, sample and draw n <= 2 NQM_SCORE_BLOCK BRDFs as pictures [first, first + n); the samples stay in the cache of
  *  the scorer. errors (n): of BRDFs that cannot be sampled, whose pictures mean nothing; else NQM_OK. Returns NQM_OK or
  *  NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const char *const *names, nqm_gallery *gallery,
-                                          size_t first, nqm_error *errors, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const nqm_subject *subjects,
+                                          nqm_gallery *gallery, size_t first, nqm_error *errors, nqm_error *err);
 
 /** The model that scores anisotropic pairs for a model whose directions have one azimuth: the built-in "anisotropic" for the built-in
  *  "default" and "transport". NULL in *anisotropic_ret, without an error: other models may predict labels of other scenes. */
@@ -86,9 +87,9 @@ NQM_MUST_CHECK nqm_status nqm_model_find_anisotropic(const nqm_model *model, nqm
                                                      nqm_error *err);
 /** The same for the model of a scorer, which owns it; the model itself if it is one of slopes. NULL: as above. */
 NQM_MUST_CHECK nqm_status nqm_scorer_anisotropic(nqm_scorer *scorer, const nqm_model **anisotropic_ret, nqm_error *err);
-/** Pairs as nqm_scorer_run_named() or nqm_scorer_run() takes them. */
+/** Pairs as nqm_scorer_run_subjects() or nqm_scorer_run() takes them. */
 typedef struct nqm_opened_pairs {
-    const nqm_named_pair *named; /* NULL: the others */
+    const nqm_subject *subjects; /* (n, 2); NULL: the others */
     const nqm_brdf *ref;
     const nqm_brdf *const *tests;
 } nqm_opened_pairs;
@@ -174,6 +175,9 @@ typedef struct nqm_member {
 nqm_score_result nqm_no_score(nqm_status status);
 /** Set the suspicions of a result. ref, test: (n_directions, 3) f_r. */
 void nqm_suspect(const nqm_directions *directions, const float *ref, const float *test, nqm_score_result *result);
+/** As nqm_scorer_run_named(), of n <= NQM_SCORE_BLOCK pairs (n, 2) of references and tests. */
+NQM_MUST_CHECK nqm_status nqm_scorer_run_subjects(nqm_scorer *scorer, size_t n, const nqm_subject *subjects,
+                                                  nqm_score_result *results, nqm_error *errors, nqm_error *err);
 /** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */
 size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 
@@ -191,5 +195,15 @@ NQM_MUST_CHECK nqm_status nqm_golden_check(const nqm_model *model, nqm_error *er
 
 /** The options of nqm_score_options. */
 extern const nqm_option_table nqm_score_option_table;
+
+/**
+ * The scalar metrics of one sampled pair, within 1e-6 relative. Any thread.
+ *
+ * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0; above 1e15 they count as 1e15
+ * @param used       (n) nonzero where the direction counts; NULL: all
+ * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
+ */
+NQM_MUST_CHECK nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
+                                              const uint8_t *used, double *metrics, nqm_error *err);
 
 #endif

@@ -5,10 +5,11 @@
  * last material files stay parsed: each of their materials is an entry.
  */
 #include "metric/sample_cache.h"
+#include "argument/argument.h"
 
 #include <string.h>
 
-enum { N_BUCKETS = 1 << 14, KEPT_FILES = 2 /* of references and tests */ };
+enum { N_BUCKETS = 1 << 14 };
 
 struct nqm_sample_cache {
     const nqm_model *model;
@@ -16,7 +17,7 @@ struct nqm_sample_cache {
     nqm_member_sampler sample;
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
-    nqm_material_file *files; /* last used first */
+    nqm_argument_files *files;
     nqm_cached *bucket[N_BUCKETS];
 };
 
@@ -29,16 +30,16 @@ nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy po
     cache->model = model;
     cache->policy = policy;
     cache->sample = sample;
-    *cache_ret = cache;
-    return NQM_OK;
+    cache->files = nqm_argument_files_create();
+    if (cache->files)
+        *cache_ret = cache;
+    else
+        nqm_free(cache);
+    return *cache_ret ? NQM_OK : nqm_fail_nomem(err, sizeof *cache);
 }
 
-/* FNV-1a hash. */
-static size_t bucket_of(const char *name) {
-    uint64_t hash = 14695981039346656037u;
-    for (; *name; ++name)
-        hash = (hash ^ (unsigned char)*name) * 1099511628211u;
-    return (size_t)(hash >> 32) % N_BUCKETS;
+static size_t bucket_of(const nqm_subject *subject) {
+    return (size_t)(nqm_subject_hash(subject) >> 32) % N_BUCKETS;
 }
 
 /* ---- list in order of last use ----------------------------------------------------------------------------------- */
@@ -57,23 +58,31 @@ static void link_newest(nqm_sample_cache *cache, nqm_cached *entry) {
 
 /* ---- entries ----------------------------------------------------------------------------------------------------- */
 
-/* The entry, its samples, flags and name are one block. */
-static nqm_cached *make_entry(const char *name, size_t n_directions) {
-    const size_t n_name = strlen(name) + 1;
-    const size_t n_bytes = sizeof(nqm_cached) + n_directions * (3 * sizeof(float) + sizeof(uint8_t)) + n_name;
+/* The entry, its values, samples, flags and name are one block. */
+static nqm_cached *make_entry(const nqm_subject *subject, size_t n_directions) {
+    const size_t n_name = subject->name ? strlen(subject->name) + 1 : 0;
+    const size_t n_values = subject->name ? 0 : sizeof *subject->values;
+    const size_t n_bytes =
+        sizeof(nqm_cached) + n_values + n_directions * (3 * sizeof(float) + sizeof(uint8_t)) + n_name;
     nqm_cached *entry = nqm_alloc(n_bytes, 1);
     if (!entry)
         return NULL;
-    entry->rgb = (float *)(entry + 1);
+    nqm_values *values = (nqm_values *)(entry + 1);
+    entry->rgb = (float *)((char *)values + n_values);
     entry->flag = (uint8_t *)(entry->rgb + 3 * n_directions);
-    entry->name = (char *)entry->flag + n_directions;
-    memcpy(entry->name, name, n_name);
+    entry->subject = *subject;
+    if (subject->name) {
+        entry->subject.name = memcpy(entry->flag + n_directions, subject->name, n_name);
+    } else {
+        *values = *subject->values;
+        entry->subject.values = values;
+    }
     entry->n_bytes = n_bytes;
     return entry;
 }
 
 static void drop(nqm_sample_cache *cache, nqm_cached *entry) {
-    nqm_cached **place = &cache->bucket[bucket_of(entry->name)];
+    nqm_cached **place = &cache->bucket[bucket_of(&entry->subject)];
     while (*place != entry)
         place = &(*place)->next_in_bucket;
     *place = entry->next_in_bucket;
@@ -82,14 +91,14 @@ static void drop(nqm_sample_cache *cache, nqm_cached *entry) {
     nqm_free(entry);
 }
 
-nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name) {
-    nqm_cached **bucket = &cache->bucket[bucket_of(name)], *entry = *bucket;
-    while (entry && strcmp(entry->name, name) != 0)
+nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const nqm_subject *subject) {
+    nqm_cached **bucket = &cache->bucket[bucket_of(subject)], *entry = *bucket;
+    while (entry && !nqm_subjects_equal(&entry->subject, subject))
         entry = entry->next_in_bucket;
     if (entry) {
         unlink_use(cache, entry);
     } else {
-        entry = make_entry(name, cache->model->directions->n);
+        entry = make_entry(subject, cache->model->directions->n);
         if (!entry)
             return NULL;
         entry->next_in_bucket = *bucket;
@@ -109,7 +118,7 @@ void nqm_sample_cache_free(nqm_sample_cache *cache) {
     if (!cache)
         return;
     nqm_sample_cache_trim(cache, 0);
-    nqm_material_files_trim(&cache->files, 0);
+    nqm_argument_files_free(cache->files);
     nqm_free(cache);
 }
 
@@ -130,8 +139,7 @@ static void fill_entry(void *user, size_t i) {
     nqm_cached *entry = job->entries[i];
     nqm_brdf *brdf = NULL;
     entry->err = (nqm_error){0};
-    nqm_status status = entry->file ? nqm_material_file_open(entry->file, entry->name, &brdf, &entry->err)
-                                    : nqm_brdf_open(entry->name, &brdf, &entry->err);
+    nqm_status status = nqm_subject_open(&entry->subject, job->cache->files, &brdf, &entry->err);
     entry->member = (nqm_member){.status = status, .rgb = entry->rgb};
     if (status == NQM_OK)
         entry->member = job->cache->sample(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
@@ -148,12 +156,10 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
     for (size_t i = 0; i < n; ++i)
         if (!entries[i]->filled && !entries[i]->waiting) {
             entries[i]->waiting = true; /* the same entry may occur twice */
-            entries[i]->file = nqm_material_file_find(&cache->files, entries[i]->name);
             fresh[n_fresh++] = entries[i];
         }
     fill_job job = {cache, fresh};
     nqm_parallel_for(n_fresh, fill_entry, &job);
-    nqm_material_files_trim(&cache->files, KEPT_FILES);
     cache->n_opened += n_fresh;
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < n_fresh; ++i) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sample_cache.h - LRU cache of BRDFs by name, sampled at a model's directions, with a limit in bytes.
+ * sample_cache.h - LRU cache of BRDFs, by name or values, sampled at a model's directions, with a limit in bytes.
  */
 #ifndef NQM_SRC_METRIC_SAMPLE_CACHE_H
 #define NQM_SRC_METRIC_SAMPLE_CACHE_H
@@ -12,17 +12,16 @@
 typedef nqm_member (*nqm_member_sampler)(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy,
                                          float *rgb, uint8_t *flag, nqm_error *err);
 
-/** A named BRDF. `member` and `err` are set by nqm_sample_cache_fill(). */
+/** A BRDF. `member` and `err` are set by nqm_sample_cache_fill(). */
 typedef struct nqm_cached {
     nqm_member member; /* its status covers opening and sampling */
     nqm_error err;     /* error of opening or sampling */
     /* used by the cache only: */
-    char *name;
+    nqm_subject subject; /* with copies */
     float *rgb;
     uint8_t *flag;
-    size_t n_bytes;                /* of the whole entry */
-    const nqm_material_file *file; /* while it is filled: the material file that its name begins with; NULL: none */
-    bool filled, waiting;          /* filled: sampled; waiting: the current nqm_sample_cache_fill() will sample it */
+    size_t n_bytes;       /* of the whole entry */
+    bool filled, waiting; /* filled: sampled; waiting: the current nqm_sample_cache_fill() will sample it */
     struct nqm_cached *next_in_bucket, *newer, *older;
 } nqm_cached;
 
@@ -34,9 +33,9 @@ NQM_MUST_CHECK nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_in
                                                   nqm_error *err);
 void nqm_sample_cache_free(nqm_sample_cache *cache);
 
-/** Find or create the entry of a name and mark it as the most recently used; NULL when out of memory. The entry is
+/** Find or create the entry of a BRDF and mark it as the most recently used; NULL when out of memory. The entry is
  *  valid until the next nqm_sample_cache_trim(). */
-nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name);
+nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const nqm_subject *subject);
 /** Open and sample, on all threads, those of n <= 2 NQM_SCORE_BLOCK entries that are not sampled yet. Returns NQM_OK or
  *  NQM_ERR_NOMEM; other failures are recorded in the entries. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries,

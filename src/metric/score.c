@@ -333,8 +333,9 @@ size_t nqm_scorer_n_opened(const nqm_scorer *scorer) {
 }
 
 /* The error of a pair without a score; entry: (2) its reference and test. */
-static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const char *test,
-                         const nqm_score_result *result) {
+static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const nqm_score_result *result) {
+    const nqm_subject *subject = &entry[1]->subject;
+    const char *test = subject->name ? subject->name : subject->values->schema->model;
     nqm_error why = {.status = result->status, .byte_offset = -1};
     if (entry[0]->member.status != NQM_OK)
         return entry[0]->err;
@@ -359,23 +360,23 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
     return why;
 }
 
-/* Find or sample n named BRDFs; entry (n) receives their cache entries. */
-static nqm_status look_up(nqm_scorer *s, size_t n, const char *const *names, nqm_cached **entry, nqm_error *err) {
+/* Find or sample n BRDFs; entry (n) receives their cache entries. */
+static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_subject *subjects, nqm_cached **entry, nqm_error *err) {
     nqm_status status =
         s->cache ? NQM_OK : nqm_sample_cache_create(s->model, s->options.invalid, sample_member, &s->cache, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        entry[i] = nqm_sample_cache_get(s->cache, names[i]);
+        entry[i] = nqm_sample_cache_get(s->cache, &subjects[i]);
         if (!entry[i])
             status = nqm_fail_nomem(err, 3 * s->model->directions->n * sizeof(float));
     }
     return status == NQM_OK ? nqm_sample_cache_fill(s->cache, n, entry, err) : status;
 }
 
-nqm_status nqm_scorer_draw(nqm_scorer *s, size_t n, const char *const *names, nqm_gallery *gallery, size_t first,
+nqm_status nqm_scorer_draw(nqm_scorer *s, size_t n, const nqm_subject *subjects, nqm_gallery *gallery, size_t first,
                            nqm_error *errors, nqm_error *err) {
     nqm_cached *entry[2 * NQM_SCORE_BLOCK];
     const float *samples[2 * NQM_SCORE_BLOCK];
-    nqm_status status = look_up(s, n, names, entry, err);
+    nqm_status status = look_up(s, n, subjects, entry, err);
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < n; ++i) {
@@ -387,26 +388,34 @@ nqm_status nqm_scorer_draw(nqm_scorer *s, size_t n, const char *const *names, nq
     return NQM_OK;
 }
 
+nqm_status nqm_scorer_run_subjects(nqm_scorer *scorer, size_t n, const nqm_subject *subjects, nqm_score_result *results,
+                                   nqm_error *errors, nqm_error *err) {
+    nqm_cached *entry[2 * NQM_SCORE_BLOCK];
+    nqm_status status = n ? reserve(scorer, n, false, err) : NQM_OK;
+    if (status == NQM_OK)
+        status = look_up(scorer, 2 * n, subjects, entry, err);
+    for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
+        scorer->member[i] = entry[i]->member;
+    if (status == NQM_OK)
+        status = score_block(scorer, n, &(nqm_opened_pairs){.subjects = subjects}, results, err);
+    for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
+        errors[i] = explain(scorer, entry + 2 * i, &results[i]);
+    if (scorer->cache)
+        nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
+    return status;
+}
+
 nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
                                 nqm_score_result *results, nqm_error *errors, nqm_error *err) {
     NQM_REQUIRE(err, scorer);
     NQM_REQUIRE_IF(n_pairs, err, pairs, results);
-    nqm_cached *entry[2 * NQM_SCORE_BLOCK];
-    const char *names[2 * NQM_SCORE_BLOCK];
-    nqm_status status = n_pairs ? reserve(scorer, n_pairs, false, err) : NQM_OK;
+    nqm_subject subjects[2 * NQM_SCORE_BLOCK];
+    nqm_status status = NQM_OK;
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < 2 * n; ++i)
-            names[i] = i % 2 ? pairs[begin + i / 2].test : pairs[begin + i / 2].ref;
-        status = look_up(scorer, 2 * n, names, entry, err);
-        for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
-            scorer->member[i] = entry[i]->member;
-        if (status == NQM_OK)
-            status = score_block(scorer, n, &(nqm_opened_pairs){.named = pairs + begin}, results + begin, err);
-        for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
-            errors[begin + i] = explain(scorer, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
-        if (scorer->cache)
-            nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
+            subjects[i] = nqm_subject_named(i % 2 ? pairs[begin + i / 2].test : pairs[begin + i / 2].ref);
+        status = nqm_scorer_run_subjects(scorer, n, subjects, results + begin, errors ? errors + begin : NULL, err);
     }
     return status;
 }

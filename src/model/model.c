@@ -10,15 +10,13 @@
 #include <math.h>
 #include <string.h>
 
-size_t nqm_model_builtin_count(void) {
-    size_t n = 0;
-    while (nqm_embedded_models[n].name)
-        ++n;
-    return n;
-}
-
 const char *nqm_model_builtin_name(size_t i) {
-    return nqm_embedded_models[i].name;
+    const nqm_embedded_file *file = nqm_embedded_models;
+    while (i > 0 && file->name) {
+        ++file;
+        --i;
+    }
+    return file->name;
 }
 
 void nqm_model_free(struct nqm_model *model) {

@@ -9,6 +9,7 @@
 #include "model/model_file.h"
 
 #include <string.h>
+#include <unistd.h>
 
 enum { CACHE_LINE = 64 };
 
@@ -358,9 +359,19 @@ nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char
 
 /* ---- public entries ---------------------------------------------------------------------------------------------- */
 
-nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err) {
-    NQM_MAKE(err, model_ret, path);
+static bool is_builtin(const char *name) {
+    const nqm_embedded_file *m = nqm_embedded_models;
+    while (m->name && strcmp(m->name, name) != 0)
+        ++m;
+    return m->name != NULL;
+}
+
+nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_error *err) {
+    NQM_MAKE(err, model_ret, name_or_path);
+    const char *path = name_or_path;
     nqm_map map = {0};
+    if (is_builtin(path) || (!strpbrk(path, "/.") && access(path, F_OK) != 0))
+        return nqm_model_builtin(path, model_ret, err);
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK)
         status = nqm_model_parse(map.data, map.n_bytes, path, true, model_ret, err);
@@ -394,7 +405,7 @@ nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error 
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         if (strcmp(m->name, name) == 0)
             return nqm_model_parse(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
-    if (nqm_model_builtin_count() == 0)
+    if (!nqm_model_builtin_name(0))
         return nqm_fail(err, NQM_ERR_MODEL, -1,
                         "model '%s': no model is built into this library: train one (nqm train) and give its file",
                         name);

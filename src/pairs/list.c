@@ -35,6 +35,7 @@ void nqm_pairs_free(nqm_pairs *pairs) {
     nqm_free(s->name);
     nqm_free(s->row);
     nqm_free(s->is_made);
+    nqm_free(s->left_out);
     nqm_csv_free(s->csv);
     nqm_free(pairs);
 }

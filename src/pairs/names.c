@@ -2,17 +2,9 @@
  *
  * Names of tests, "NAME=BRDF", and that they differ.
  */
-#include "brdf/core/spec.h"
 #include "pairs/pairs.h"
 
 #include <stdlib.h>
-#include <unistd.h>
-
-size_t nqm_pairs_name_length(const char *argument) {
-    const size_t n = strcspn(argument, "=:/");
-    const bool is_name = argument[n] == '=' && argument[n + 1] && !nqm_spec_lacks_colon(argument);
-    return is_name && access(argument, F_OK) != 0 ? n : 0;
-}
 
 static bool same_name(const nqm_pairs_name *x, const nqm_pairs_name *y) {
     return x->group == y->group && strcmp(x->reference, y->reference) == 0 && strcmp(x->name, y->name) == 0;

@@ -5,9 +5,9 @@
 #ifndef NQM_SRC_PAIRS_H
 #define NQM_SRC_PAIRS_H
 
+#include "argument/argument.h"
 #include "base/names.h"
 #include "io/io.h"
-#include "material/material.h"
 #include <nqm/pairs.h>
 
 enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< limit of the columns; JSON Lines: of the distinct member names of all rows */
@@ -29,7 +29,7 @@ struct nqm_pairs_state {
     size_t *row_begin; /**< (n + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and whether the text is JSON */
-    nqm_names text; /**< (n_cells); of expanded pairs `left_out` */
+    nqm_names text; /**< (n_cells) */
     /* of expanded pairs: */
     const nqm_pairs *of;
     const char **name;
@@ -37,6 +37,8 @@ struct nqm_pairs_state {
     bool *is_made; /**< (n) the pair is one of several materials */
     size_t n_owned, max_owned;
     char **owned; /**< (n_owned) texts */
+    size_t n_left_out, max_left_out;
+    const char **left_out;
 };
 
 /** Cell i of a row, in the order of the row; false: it has fewer. Rows of JSON Lines may lack columns; pairs that are expanded have the
@@ -48,9 +50,6 @@ NQM_MUST_CHECK nqm_status nqm_pairs_parse(const char *text, size_t n_bytes, cons
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
- *  name is not split, nor is a spec with another character for its colon. */
-size_t nqm_pairs_name_length(const char *argument);
 /** The name of a BRDF among those that must differ: of one group and one reference. */
 typedef struct nqm_pairs_name {
     size_t group, row; /* row: of a list, from 1; 0: an argument */
@@ -62,25 +61,8 @@ NQM_MUST_CHECK nqm_status nqm_pairs_check_names(size_t n, nqm_pairs_name *names,
 
 /* ---- materials of files ------------------------------------------------------------------------------------------ */
 
-/** The two files that were read last, because a list pairs the materials of two files. Zeroed: none; nqm_pairs_forget() it. */
-typedef struct nqm_pairs_files {
-    struct nqm_pairs_file {
-        char *path;
-        nqm_materials *materials;
-    } last[2];     /* the last used one first */
-    bool is_short; /* of memory */
-} nqm_pairs_files;
-
-/** The materials of a file; NULL: it is another file, or a damaged one. Valid until the second next call with another path. */
-const nqm_materials *nqm_pairs_materials(nqm_pairs_files *files, const char *path);
-/** The material of an argument "FILE" or "FILE:NAME", with what "ignore:WORDS:" before it ignores; false: it is none. */
-bool nqm_pairs_find_material(nqm_pairs_files *files, const char *argument, nqm_material_info *info);
-/** The argument with "ignore:WORDS:" before its file, if it is a material that such an ignored set (NQM_IGNORE_...) makes a BRDF or
- *  texture of; NULL: it is none, or there is no memory. nqm_free() it. */
-char *nqm_pairs_reflecting(nqm_pairs_files *files, const char *argument, unsigned ignored);
 /** Whether both members are materials that are refused for the same property, value and reason. */
-bool nqm_pairs_refused_alike(nqm_pairs_files *files, const nqm_named_pair *pair);
-void nqm_pairs_forget(nqm_pairs_files *files);
+bool nqm_pairs_refused_alike(nqm_argument_files *files, const nqm_named_pair *pair);
 /** "A:B", or one of them where the other is ""; nqm_free() it. NULL: out of memory. */
 char *nqm_pairs_join(const char *a, const char *b);
 

@@ -52,11 +52,9 @@ bool nqm_pairs_describe_distance(const char *argument, const double distance_deg
 
 bool nqm_pairs_describe_ignored(const char *argument, size_t n, char *text) {
     char words[NQM_IGNORE_SIZE];
-    unsigned ignored;
-    if (!nqm_ignore_prefix(argument, &ignored))
-        return false;
+    const unsigned ignored = nqm_argument_ignored(argument);
     snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
-    return true;
+    return ignored;
 }
 
 /* Remarks that are being written. */
@@ -118,7 +116,7 @@ const char *nqm_pairs_remarks(const nqm_model *model, nqm_invalid_policy invalid
                               const char *ref, const char *test, const nqm_score_result *r, char *text) {
     assert(model && test && r && text);
     const nqm_named_pair none = {NULL, NULL}, *arguments = pair ? pair : &none;
-    remarks to = {nqm_directions_count(nqm_model_get_info(model).directions), invalid, r, text};
+    remarks to = {nqm_directions_get_info(nqm_model_get_info(model).directions).n, invalid, r, text};
     char distance[400];
     if (ref && nqm_pairs_describe_distance(ref, r->distance_deg, sizeof distance, distance))
         add_remark(&to, "%s", distance);

@@ -79,16 +79,9 @@ void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
 /* ---- what it says ------------------------------------------------------------------------------------------------ */
 
 double nqm_label_adapted_jod(const nqm_label *label) {
-    assert(label);
     static const double noticed = 0.15; /* part of the shift that adapted people still notice */
     const double left = hypot(label->structure, noticed * sqrt(nqm_dot3(label->shift, label->shift)));
     return isnan(left) ? left : nqm_curve_jod(&nqm_curve_published, left);
-}
-
-double nqm_label_jod_error(const nqm_label *label) {
-    assert(label);
-    return 0.5 * (nqm_curve_jod(&nqm_curve_published, label->delta_e - label->error) -
-                  nqm_curve_jod(&nqm_curve_published, label->delta_e + label->error));
 }
 
 /* A part of the label, the words for either sign, and the sizes from which it is mentioned, plain and much. */
@@ -98,8 +91,7 @@ typedef struct part {
     double mentioned, plain, much;
 } part;
 
-const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]) {
-    assert(label && text);
+static void describe(const nqm_label *label, char text[NQM_LABEL_TEXT]) {
     const part parts[] = {
         {label->shift[0], "brighter", "darker", 1, 3, 10},
         {label->shift[1], "bluer", "yellower", 1, 3, 10},
@@ -121,5 +113,13 @@ const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]
     }
     if (n == 0)
         snprintf(text, NQM_LABEL_TEXT, "no visible difference");
-    return text;
+}
+
+nqm_label_info nqm_label_get_info(const nqm_label *label) {
+    assert(label);
+    nqm_label_info info = {.adapted_jod = nqm_label_adapted_jod(label)};
+    info.jod_error = 0.5 * (nqm_curve_jod(&nqm_curve_published, label->delta_e - label->error) -
+                            nqm_curve_jod(&nqm_curve_published, label->delta_e + label->error));
+    describe(label, info.words);
+    return info;
 }

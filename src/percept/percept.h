@@ -88,4 +88,11 @@ void nqm_picture_light_gradient(const nqm_picture_points *points, const nqm_labe
 /** The value that nqm_curve_default() returns. */
 extern const nqm_curve nqm_curve_published;
 
+/** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each, linear BT.709 RGB in cd/m2;
+ *  negative channels count as 0, channels above 10000 as 10000. */
+double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
+
+/** nqm_label_info.adapted_jod. */
+double nqm_label_adapted_jod(const nqm_label *label);
+
 #endif

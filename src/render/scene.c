@@ -308,17 +308,7 @@ void nqm_scene_free(nqm_scene *scene) {
     nqm_free(scene);
 }
 
-size_t nqm_scene_count(const nqm_scene *scene) {
+nqm_scene_info nqm_scene_get_info(const nqm_scene *scene) {
     assert(scene);
-    return scene->seen.n;
-}
-
-const size_t *nqm_scene_pixels(const nqm_scene *scene) {
-    assert(scene);
-    return scene->seen.pixel;
-}
-
-const double *nqm_scene_weights(const nqm_scene *scene) {
-    assert(scene);
-    return scene->seen.weight;
+    return (nqm_scene_info){scene->seen.n, scene->seen.weight, scene->seen.pixel};
 }

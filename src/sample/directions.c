@@ -75,24 +75,9 @@ void nqm_directions_free(nqm_directions *directions) {
     nqm_free(directions);
 }
 
-size_t nqm_directions_count(const nqm_directions *directions) {
+nqm_directions_info nqm_directions_get_info(const nqm_directions *directions) {
     assert(directions);
-    return directions->n;
-}
-
-const double *nqm_directions_degrees(const nqm_directions *directions) {
-    assert(directions);
-    return directions->degrees;
-}
-
-const double *nqm_directions_wi(const nqm_directions *directions) {
-    assert(directions);
-    return directions->wi;
-}
-
-const double *nqm_directions_wo(const nqm_directions *directions) {
-    assert(directions);
-    return directions->wo;
+    return (nqm_directions_info){directions->n, directions->degrees, directions->wi, directions->wo};
 }
 
 static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* locked while the identity of any set is computed */

@@ -48,29 +48,29 @@ static const nqm_brdf_class mean_class = {
 
 /* ---- members ----------------------------------------------------------------------------------------------------- */
 
-/* The specs of texels, with their normals. */
+/* The values of texels of both sides, with their normals. */
 typedef struct members {
     nqm_texture_job *job;
-    size_t n;
+    size_t n, n_added; /* n_added: of n */
     double weights[MAX_MEMBERS];
-    nqm_named_pair pairs[MAX_MEMBERS];
-    char *specs[2][MAX_MEMBERS];
+    nqm_subject subjects[2 * MAX_MEMBERS]; /* (2, n) */
+    nqm_values values[2 * MAX_MEMBERS];
 } members;
 
 static nqm_status add_members(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                               nqm_error *err) {
     members *m = user;
-    for (size_t i = 0; i < n; ++i, ++m->n) {
+    (void)err;
+    for (size_t i = 0; i < n; ++i, ++m->n_added) {
         for (size_t s = 0; s < 2; ++s) {
             const nqm_texture *t = m->job->side[s];
+            const size_t at = s * m->n + m->n_added;
             double normal[3];
             nqm_texture_normal(t, rows[s], i, normal);
-            m->specs[s][m->n] = nqm_texture_tilt(nqm_texture_spec(t, rows[s], i), normal);
+            m->subjects[at] = nqm_texture_subject(t, rows[s], i, &m->values[at]);
+            nqm_subject_tilt(&m->subjects[at], normal);
         }
-        m->pairs[m->n] = (nqm_named_pair){m->specs[0][m->n], m->specs[1][m->n]};
-        m->weights[m->n] = samples[i].weight;
-        if (!m->specs[0][m->n] || !m->specs[1][m->n])
-            return nqm_fail_nomem(err, sizeof(nqm_values));
+        m->weights[m->n_added] = samples[i].weight;
     }
     return NQM_OK;
 }
@@ -82,10 +82,10 @@ static nqm_status open_mean(const members *list, size_t side, nqm_brdf **brdf_re
     nqm_brdf_info info = {.name = list->job->side[side]->name, .reciprocal = 1, .isotropic = 1};
     mean *m = nqm_alloc(1, sizeof *m);
     nqm_status status = m ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
-    char *const *specs = list->specs[side];
+    const nqm_subject *subjects = list->subjects + side * list->n;
     for (size_t i = 0; status == NQM_OK && i < list->n; ++i) {
-        if (i == 0 || strcmp(specs[i], specs[i - 1]) != 0)
-            status = nqm_brdf_open(specs[i], &m->members[m->n++], err);
+        if (i == 0 || !nqm_subjects_equal(&subjects[i], &subjects[i - 1]))
+            status = nqm_subject_open(&subjects[i], NULL, &m->members[m->n++], err);
         m->weight[m->n - 1] += list->weights[i];
     }
     for (size_t k = 0; status == NQM_OK && k < m->n; ++k) {
@@ -182,17 +182,16 @@ static nqm_status score_mean(nqm_texture_job *job, const nqm_model *anisotropic,
     if (!m)
         return nqm_fail_nomem(err, sizeof *m);
     m->job = job;
+    m->n = n;
     bool is_equal = true;
     nqm_status status = nqm_texels_visit(job, NULL, n, samples, add_members, m, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
-        is_equal = is_equal && strcmp(m->specs[0][i], m->specs[1][i]) == 0;
+        is_equal = is_equal && nqm_subjects_equal(&m->subjects[i], &m->subjects[n + i]);
     *score = (nqm_score_result){.jod = 10, .jod_low = certain, .jod_high = certain};
     if (status == NQM_OK && !is_equal && anisotropic)
-        status = nqm_texture_score_tilted(anisotropic, m->n, m->pairs, m->weights, &job->ticker, score, err);
+        status = nqm_texture_score_tilted(anisotropic, n, m->subjects, m->weights, &job->ticker, score, err);
     else if (status == NQM_OK && !is_equal)
         status = score_flat(m, score, err);
-    for (size_t i = 0; i < 2 * n; ++i)
-        nqm_free(m->specs[i / n][i % n]);
     nqm_free(m);
     return status;
 }

@@ -106,9 +106,10 @@ typedef void nqm_texel_writer(void *user, const float *rows, size_t i, unsigned 
 NQM_MUST_CHECK nqm_status nqm_texture_write(const nqm_texture *texture, const size_t tiles[2], nqm_texel_writer *write,
                                             void *user, nqm_ticker *ticker, nqm_raster *picture, nqm_error *err);
 
-/** Set the prediction of a result: of two means of n BRDFs with different normals, by a model of slopes, weights (n) with the sum 1.
+/** Set the prediction of a result: of the means of n references and n tests (2 n) with different normals, by a model of slopes,
+ *  weights (n) with the sum 1.
  *  The status of a BRDF that cannot be opened; NQM_ERR_CANCELLED. */
-NQM_MUST_CHECK nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_named_pair *pairs,
+NQM_MUST_CHECK nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_subject *subjects,
                                                    const double *weights, nqm_ticker *ticker, nqm_score_result *result,
                                                    nqm_error *err);
 /** Fill the far score of the result. */

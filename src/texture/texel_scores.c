@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pairs of texels are scored as specs. Where normals differ the test is tilted.
+ * Pairs of texels are scored by their values. Where normals differ the test is tilted.
  */
 #include "texture/score.h"
 
@@ -9,38 +9,33 @@
 enum { BLOCK = NQM_TEXEL_BLOCK };
 _Static_assert((int)BLOCK == (int)NQM_SCORE_BLOCK, "texels are scored in blocks");
 
-/* The specs of a block of pairs. */
+/* A block of pairs. */
 typedef struct scoring {
     nqm_texture_job *job;
     int exchange;
     nqm_label *parts;
-    char *ref[BLOCK], *test[BLOCK];
     size_t n_pairs, at[BLOCK];
-    nqm_named_pair pairs[BLOCK]; /* those that differ */
+    nqm_subject subjects[2 * BLOCK]; /* (n_pairs, 2) those that differ */
+    nqm_values values[2 * BLOCK];
     nqm_score_result results[BLOCK];
     nqm_error errors[BLOCK];
 } scoring;
 
-static bool make_pair(scoring *s, size_t i, const float *const rows[2]) {
+/* The reference and the test of texel i, at the place of the next pair. */
+static void make_pair(scoring *s, size_t i, const float *const rows[2]) {
     const nqm_texture *const *t = s->job->side;
+    nqm_subject *pair = s->subjects + 2 * s->n_pairs;
+    nqm_values *values = s->values + 2 * s->n_pairs;
     const size_t side = s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_FLAT;
-    s->ref[i] = nqm_texture_spec(t[0], rows[0], i);
-    if (s->exchange >= 0) {
-        const size_t k = (size_t)s->exchange;
-        const nqm_values test = nqm_texture_values(t[1], rows[1], i);
-        nqm_values exchanged = nqm_texture_values(t[0], rows[0], i);
-        memcpy(exchanged.v[k], test.v[k], sizeof test.v[k]);
-        exchanged.given |= UINT64_C(1) << k;
-        s->test[i] = nqm_values_spec(&exchanged);
-    } else {
-        s->test[i] = nqm_texture_spec(t[side], rows[side], i);
-    }
+    pair[0] = nqm_texture_subject(t[0], rows[0], i, &values[0]);
+    pair[1] = nqm_texture_subject(t[side], rows[side], i, &values[1]);
+    for (size_t c = 0; s->exchange >= 0 && c < 3; ++c)
+        values[1].v[s->exchange][c] = nqm_texture_value(t[1], (size_t)s->exchange, c, rows[1], i);
     if (s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_NORMAL) {
         double tilt[3];
         nqm_texels_tilt(s->job, rows, i, tilt);
-        s->test[i] = nqm_texture_tilt(s->test[i], tilt);
+        nqm_subject_tilt(&pair[1], tilt);
     }
-    return s->ref[i] && s->test[i];
 }
 
 static nqm_status fail_texel(const nqm_texture_job *job, uint32_t texel, const nqm_error *why, nqm_error *err) {
@@ -55,19 +50,16 @@ static nqm_status score_block(void *user, size_t n, nqm_texel_sample *samples, c
     const double same = s->job->model->interval ? 10 : NAN;
     nqm_status status = NQM_OK;
     s->n_pairs = 0;
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+    for (size_t i = 0; i < n; ++i) {
         samples[i].delta_e = 0;
         samples[i].jod = 10;
         samples[i].jod_low = samples[i].jod_high = same;
-        if (!make_pair(s, i, rows)) {
-            status = nqm_fail_nomem(err, sizeof(nqm_values));
-        } else if (strcmp(s->ref[i], s->test[i]) != 0) {
-            s->at[s->n_pairs] = i;
-            s->pairs[s->n_pairs++] = (nqm_named_pair){s->ref[i], s->test[i]};
-        }
+        make_pair(s, i, rows);
+        if (!nqm_subjects_equal(&s->subjects[2 * s->n_pairs], &s->subjects[2 * s->n_pairs + 1]))
+            s->at[s->n_pairs++] = i;
     }
     if (status == NQM_OK)
-        status = nqm_scorer_run_named(s->job->scorer, s->n_pairs, s->pairs, s->results, s->errors, err);
+        status = nqm_scorer_run_subjects(s->job->scorer, s->n_pairs, s->subjects, s->results, s->errors, err);
     for (size_t i = 0; status == NQM_OK && i < s->n_pairs; ++i) {
         const nqm_score_result *r = &s->results[i];
         nqm_texel_sample *sample = &samples[s->at[i]];
@@ -79,11 +71,6 @@ static nqm_status score_block(void *user, size_t n, nqm_texel_sample *samples, c
             nqm_label_add(s->parts, sample->weight, &r->parts);
         if (r->status != NQM_OK)
             status = fail_texel(s->job, sample->texel, &s->errors[i], err);
-    }
-    for (size_t i = 0; i < n; ++i) {
-        nqm_free(s->ref[i]);
-        nqm_free(s->test[i]);
-        s->ref[i] = s->test[i] = NULL;
     }
     return status;
 }

@@ -16,7 +16,7 @@ void nqm_texture_free(nqm_texture *t) {
     }
     nqm_free(t->images);
     nqm_free(t->constants);
-    nqm_materials_free(t->materials);
+    nqm_argument_file_release(t->file);
     nqm_textured_free(t->owned);
     nqm_free(t->name);
     nqm_free(t->argument);
@@ -258,9 +258,9 @@ nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *b
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* A BRDF that does not vary. */
-static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
+static nqm_status open_constant(nqm_texture *t, nqm_argument *argument, nqm_error *err) {
     nqm_brdf *brdf = NULL;
-    nqm_status status = nqm_brdf_open(t->name, &brdf, err);
+    nqm_status status = nqm_argument_open(argument, &brdf, err);
     if (status != NQM_OK)
         return status;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
@@ -276,23 +276,28 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     return status;
 }
 
+nqm_status nqm_texture_open_argument(nqm_argument *argument, nqm_progress_fn progress, void *progress_user,
+                                     nqm_texture **texture_ret, nqm_error *err) {
+    nqm_ticker ticker = {.fn = progress, .user = progress_user};
+    nqm_texture *t = make(argument->text);
+    *texture_ret = NULL;
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    nqm_status status = nqm_argument_maps(argument, &t->maps, &t->owned, err);
+    t->file = nqm_argument_file_hold(argument->file);
+    if (status == NQM_OK)
+        status = t->maps ? complete(t, &ticker, err) : open_constant(t, argument, err);
+    return keep(t, status, texture_ret);
+}
+
 nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void *progress_user,
                             nqm_texture **texture_ret, nqm_error *err) {
     NQM_MAKE(err, texture_ret, argument);
-    nqm_ticker ticker = {.fn = progress, .user = progress_user};
-    nqm_texture *t = make(argument);
-    if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
-    nqm_status status;
-    size_t index = 0;
-    if (nqm_maps_probe(argument))
-        status = nqm_maps_open(argument, &t->owned, err);
-    else
-        status = nqm_brdf_find_textured(argument, &t->materials, &index, err);
-    t->maps = t->materials ? nqm_materials_maps(t->materials, index, ~0U) : t->owned;
-    if (status == NQM_OK)
-        status = t->maps ? complete(t, &ticker, err) : open_constant(t, err);
-    return keep(t, status, texture_ret);
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    nqm_status status = a ? nqm_texture_open_argument(a, progress, progress_user, texture_ret, err)
+                          : nqm_fail_nomem(err, strlen(argument) + 1);
+    nqm_argument_free(a);
+    return status;
 }
 
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
@@ -381,23 +386,11 @@ nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i)
     return values;
 }
 
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i) {
-    const nqm_values values = nqm_texture_values(t, rows, i);
-    return t->argument ? nqm_strdup(t->argument) : nqm_values_spec(&values);
-}
-
-char *nqm_texture_tilt(char *spec, const double normal[3]) {
-    enum { MORE = 100 };
-    const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
-    if (!spec || degrees < 1e-3)
-        return spec;
-    char numbers[2][32], *tilted = nqm_alloc(strlen(spec) + MORE, 1);
-    if (tilted)
-        snprintf(tilted, strlen(spec) + MORE, "tilt:deg=%s;azimuth=%s;of=%s",
-                 nqm_format_double(numbers[0], sizeof numbers[0], fmin(degrees, 60)),
-                 nqm_format_double(numbers[1], sizeof numbers[1], atan2(normal[1], normal[0]) * 180 / NQM_PI), spec);
-    nqm_free(spec);
-    return tilted;
+nqm_subject nqm_texture_subject(const nqm_texture *t, const float *rows, size_t i, nqm_values *values) {
+    if (t->argument)
+        return nqm_subject_named(t->argument);
+    *values = nqm_texture_values(t, rows, i);
+    return (nqm_subject){.values = values};
 }
 
 nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **brdf_ret, double normal[3],
@@ -410,9 +403,9 @@ nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **b
         return nqm_fail_nomem(err, n * sizeof *rows);
     nqm_texture_evaluate(t, 1, &at[0], &at[1], rows);
     nqm_texture_normal(t, rows, 0, normal);
-    char *spec = nqm_texture_spec(t, rows, 0);
-    nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_values));
-    nqm_free(spec);
+    nqm_values values;
+    const nqm_subject subject = nqm_texture_subject(t, rows, 0, &values);
     nqm_free(rows);
-    return status;
+    nqm_status status = subject.name ? NQM_OK : nqm_values_check(&values, err);
+    return status == NQM_OK ? nqm_subject_open(&subject, NULL, brdf_ret, err) : status;
 }

@@ -6,6 +6,7 @@
 #ifndef NQM_SRC_TEXTURE_H
 #define NQM_SRC_TEXTURE_H
 
+#include "argument/argument.h"
 #include "brdf/core/spec.h"
 #include "io/raster.h"
 #include "material/maps.h"
@@ -30,7 +31,7 @@ typedef struct nqm_texture_property {
 /** See nqm_texture. Its shading has the constant properties. */
 struct nqm_texture {
     char *name, *argument; /* argument: of a BRDF that is none of a shading model; NULL: the shading is the material */
-    nqm_materials *materials;
+    nqm_argument_file *file;    /* NULL: none */
     nqm_textured *owned;        /* one of both owns `maps` */
     const nqm_textured *maps;   /* NULL: none */
     nqm_values values;          /* constant ones; schema NULL: an argument */
@@ -49,6 +50,9 @@ struct nqm_texture {
 
 enum { NQM_TEXEL_BLOCK = 256, NQM_NO_ROW = 0xffff };
 
+/** See nqm_texture_open(). */
+NQM_MUST_CHECK nqm_status nqm_texture_open_argument(nqm_argument *argument, nqm_progress_fn progress,
+                                                    void *progress_user, nqm_texture **texture_ret, nqm_error *err);
 /** Lay out the nodes that the outputs need; properties that do not vary become constants of the shading. */
 NQM_MUST_CHECK nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err);
 /** Build the table or matrix of a decoded map, or decode its floats. NQM_ERR_FORMAT: no such colour space. */
@@ -70,10 +74,8 @@ NQM_MUST_CHECK nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err);
 void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]);
 /** The values of the material there, of a texture without argument. */
 nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i);
-/** Their spec, or the argument. nqm_free(); NULL: out of memory. */
-char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i);
-/** "tilt:...;of=SPEC" of a spec, which is freed, towards a unit vector; the spec itself where that is the normal. */
-char *nqm_texture_tilt(char *spec, const double normal[3]);
+/** The material there, without its normal: *values receives the values, unless it is an argument. */
+nqm_subject nqm_texture_subject(const nqm_texture *t, const float *rows, size_t i, nqm_values *values);
 
 /** Texels along u (axis 0) or v of one period of both, and by how many such periods the surface is tiled. */
 size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret);

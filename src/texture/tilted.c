@@ -46,7 +46,7 @@ static nqm_label label_all(const members *m) {
     return label;
 }
 
-nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_named_pair *pairs,
+nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_subject *subjects,
                                     const double *weights, nqm_ticker *ticker, nqm_score_result *result,
                                     nqm_error *err) {
     const nqm_slope_light light = nqm_model_slope_light(model);
@@ -61,14 +61,14 @@ nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < 2 * n; ++i)
-        pictures[i] = (nqm_lobe_picture){.name = i < n ? pairs[i].ref : pairs[i - n].test,
-                                         .ref = i < n ? SIZE_MAX : i - n,
-                                         .light = values + i * n_values};
+        pictures[i] = (nqm_lobe_picture){
+            .subject = &subjects[i], .ref = i < n ? SIZE_MAX : i - n, .light = values + i * n_values};
     m.pictures = pictures;
     status = nqm_lobe_pictures(&light, 2 * n, pictures, ticker, err);
     for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
         if ((status = pictures[i].status) != NQM_OK)
-            nqm_fail(err, status, -1, "%.300s: %s", pictures[i].name, nqm_status_text(status));
+            nqm_fail(err, status, -1, "%.300s: %s",
+                     subjects[i].name ? subjects[i].name : subjects[i].values->schema->model, nqm_status_text(status));
     if (status == NQM_OK) {
         result->parts = label_all(&m);
         result->delta_e = result->parts.delta_e;

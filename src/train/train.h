@@ -123,4 +123,8 @@ NQM_MUST_CHECK nqm_status nqm_checkpoint_read(nqm_training *training, const nqm_
 char *nqm_model_card(const nqm_dataset *dataset, const nqm_train_options *options, const nqm_train_report *report,
                      const struct nqm_model *model);
 
+/** A copy of a model whose card ends with `markdown`: results on a test set, for example. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_model **model_ret,
+                                             nqm_error *err);
+
 #endif

@@ -287,13 +287,17 @@ class Metrics(unittest.TestCase):
             with open(folder + "/pairs.csv", "w", newline="") as file:
                 csv.writer(file).writerows([("test", "note", "reference"), *[(b, "x", a) for a, b in pairs]])
             self.assertEqual(nqm.batch(folder + "/pairs.csv")["jod"][0], score.jod)
-            for text in ("\ufeff# a list\nReference; test;note\n\n sgd:nickel ;ward:nickel;1,5\nsgd:nickel\n",
-                         '{"test": "ward:nickel", "reference": "sgd:nickel", "note": [1]}\n{"reference": "sgd:nickel"}\n'):
-                with open(folder + "/list", "w", encoding="utf-8") as file:
-                    file.write(text)
-                table = nqm.batch(folder + "/list")
-                self.assertEqual((len(table), table["jod"][0], table["status"][0]), (2, score.jod, 0))
-                self.assertNotEqual(table["status"][1], 0)
+            for text, faulty in (("\ufeff# a list\nReference; test;note\n\n sgd:nickel ;ward:nickel;1,5\n", "sgd:nickel\n"),
+                                 ('{"test": "ward:nickel", "reference": "sgd:nickel", "note": [1]}\n', '{"reference": "sgd:nickel"}\n')):
+                for added in ("", faulty):
+                    with open(folder + "/list", "w", encoding="utf-8") as file:
+                        file.write(text + added)
+                    if added:
+                        with self.assertRaisesRegex(nqm.Error, "list: line [0-9]+, byte [0-9]+: "):
+                            nqm.batch(folder + "/list")
+                    else:
+                        table = nqm.batch(folder + "/list")
+                        self.assertEqual((len(table), table["jod"][0], table["status"][0]), (1, score.jod, 0))
             with open(folder + "/other.csv", "w") as file:
                 file.write("a,b\n")
             with self.assertRaises(nqm.Error) as caught:

@@ -40,20 +40,21 @@ class Pages(unittest.TestCase):
         doctest.DocTestRunner(Close(), verbose=False, optionflags=doctest.ELLIPSIS).run(examples, out=output.append)
         self.assertEqual("".join(output), "")
 
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder.name)
+
     def test_page(self):
         with open(SOURCE + "/doc/python.md", encoding="utf-8") as file:
             text = re.sub(r"(?m)^```.*$", "", file.read())
-        before = os.getcwd()
-        with tempfile.TemporaryDirectory() as folder:
-            os.chdir(folder)
-            try:
-                self.run_examples(text, "python.md", {})
-            finally:
-                os.chdir(before)
+        self.run_examples(text, "python.md", {})
 
     def test_docstrings(self):
-        for thing in (nqm, nqm.Metric, nqm.conform):
-            self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm, "np": np})
+        for thing in (nqm, *vars(nqm).values()):
+            if thing is nqm or ">>>" in (getattr(thing, "__module__", "").startswith("nqm.") and thing.__doc__ or ""):
+                self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm, "np": np})
 
     def test_reference(self):
         made = subprocess.run([sys.executable, SOURCE + "/doc/reference_python.py"], stdout=subprocess.PIPE, check=True).stdout.decode()

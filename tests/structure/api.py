@@ -9,7 +9,7 @@ import re
 import subprocess
 import sys
 
-MAX_FUNCTIONS = 114
+MAX_FUNCTIONS = 95
 MAX_FIELDS = 20
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
 faults = []
@@ -24,7 +24,6 @@ SHARED = {
     "human": "data judge",
     "interval": "model train",
     "is": "base metric",
-    "kernels": "base kernel",
     "light": "metric render",
     "map": "base figures render",
     "material": "brdf data material",

@@ -3,6 +3,7 @@
  * Comparisons, inputs that must be valid, the kernels in use, and paths of the shared data, for unit tests.
  */
 #include "support/check.h"
+#include "kernel/kernel.h"
 
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
     if (fabs(actual - expected) <= tolerance)

@@ -13,7 +13,7 @@
 
 /** ref, test: (n, n_directions, 3); jod: (n). */
 static inline void predict_jod(const nqm_model *model, size_t n, const float *ref, const float *test, double *jod) {
-    const size_t width = 3 * nqm_directions_count(nqm_model_get_info(model).directions);
+    const size_t width = 3 * nqm_directions_get_info(nqm_model_get_info(model).directions).n;
     nqm_sample_pair *pairs = calloc(n, sizeof *pairs);
     nqm_score_result *results = calloc(n, sizeof *results);
     nqm_scorer *scorer;

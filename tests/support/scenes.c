@@ -15,7 +15,7 @@ nqm_scene *make_scene(const nqm_scene_options *o) {
 }
 
 double *render_scene(const nqm_scene *scene, const nqm_brdf *brdf) {
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
+    double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 3 * sizeof *rgb);
     assert_non_null(rgb);
     assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL, NULL), NQM_OK);
     return rgb;
@@ -30,7 +30,7 @@ double *render_spec(const nqm_scene *scene, const char *spec) {
 
 nqm_label label_specs(const nqm_scene *scene, const char *ref_spec, const char *test_spec) {
     double *ref = render_spec(scene, ref_spec), *test = render_spec(scene, test_spec);
-    nqm_label label = nqm_scene_compare(scene, ref, test);
+    nqm_label label = nqm_scene_compare(scene, ref, test, NULL);
     nqm_free(ref);
     nqm_free(test);
     return label;

@@ -8,8 +8,8 @@
 #include "encode/encode.h"
 #include "encode/hyper.h"
 #include "io/raster.h"
-#include "pairs/pairs.h"
 #include "nqm/tool.h"
+#include "pairs/pairs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -48,7 +48,7 @@ static nqm_status open_model_file(const char *path, nqm_error *err) {
 
 static nqm_status open_dataset_file(const char *path, nqm_error *err) {
     nqm_dataset *dataset;
-    const nqm_status status = nqm_dataset_load(path, &dataset, err);
+    const nqm_status status = nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &dataset, err);
     nqm_dataset_free(dataset);
     return status;
 }

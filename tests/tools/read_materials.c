@@ -9,6 +9,7 @@
 #include "material/maps.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 static void print_text(const char *name, const char *text) {
     printf("\t%s=", name);
@@ -105,7 +106,8 @@ static void print_file(const char *path) {
     nqm_materials *materials = NULL;
     nqm_textured *maps = NULL;
     nqm_brdf *brdf = NULL;
-    if (nqm_maps_probe(path)) {
+    struct stat st;
+    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
         if (nqm_maps_open(path, &maps, &err) == NQM_OK)
             print_maps(maps);
     } else if (nqm_materials_open(path, &materials, &err) == NQM_OK)

@@ -4,6 +4,7 @@
  * thread rule, ownership, invalid arguments and failing allocations.
  */
 #include "base/memory_test.h"
+#include "brdf/brdf.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * Loading of files: sampling a MERL table loads few of its pages, and results depend neither on the number of
- * directions read before nor on the number of open files; tensors of RGL files can have any alignment; names in lists
- * are resolved to files.
+ * directions read before nor on the number of open files; tensors of RGL files can have any alignment.
  */
 #include "base/base.h"
 #include "brdf/brdf.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "support/rows.h"
 
 #include <fcntl.h>
 #include <nqm/samples.h>
@@ -140,53 +138,4 @@ TEST(reads_tensors_at_any_byte) {
             assert_memory_equal(shifted, aligned, sizeof aligned);
         nqm_brdf_free(brdf);
     }
-}
-
-/* ---- names in lists ---------------------------------------------------------------------------------------------- */
-
-TEST(relative_paths_start_at_the_root) {
-    EVERY_ROW(row, "paths below a root") {
-        char *path = nqm_brdf_path_below(row[0], row[1], strlen(row[1]));
-        assert_string_equal(path, row[2]);
-        nqm_free(path);
-    }
-    const char *merl = merl_path(), *slash = strrchr(merl, '/');
-    char folder[4096];
-    nqm_brdf *brdf;
-    assert_true((size_t)snprintf(folder, sizeof folder, "%.*s", (int)(slash - merl), merl) < sizeof folder);
-    assert_int_equal(nqm_brdf_open_below(slash + 1, folder, &brdf, NULL), NQM_OK);
-    nqm_brdf_free(brdf);
-    assert_int_equal(nqm_brdf_open_below(slash + 1, NULL, &brdf, NULL), NQM_ERR_IO);
-    assert_null(brdf);
-}
-
-TEST(companions_are_in_the_folder_of_the_file) {
-    static const struct {
-        const char *path, *name, *beside;
-    } cases[] = {{"data/m.xml", "a.bsdf", "data/a.bsdf"},
-                 {"/m.xml", "a.bsdf", "/a.bsdf"},
-                 {"m.xml", "b/a.bsdf", "b/a.bsdf"},
-                 {"data/m.xml", "/a.bsdf", "/a.bsdf"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char *path = nqm_path_beside(cases[i].path, cases[i].name);
-        assert_string_equal(path, cases[i].beside);
-        nqm_free(path);
-    }
-    const char *file = scratch_path("measured.xml");
-    FILE *stream = fopen(file, "w");
-    fputs(
-        "<scene version=\"3.0.0\"><bsdf type=\"measured\" id=\"a\"><string name=\"filename\" value=\"a.bsdf\"/></bsdf>"
-        "<bsdf type=\"diffuse\" id=\"b\"/></scene>",
-        stream);
-    assert_int_equal(fclose(stream), 0);
-    char *companion;
-    assert_int_equal(nqm_brdf_find_companion(file, "a", &companion, NULL), NQM_OK);
-    assert_string_equal(companion, scratch_path("a.bsdf"));
-    nqm_free(companion);
-    assert_int_equal(nqm_brdf_find_companion(file, "b", &companion, NULL), NQM_OK);
-    assert_null(companion);
-    assert_int_equal(nqm_brdf_find_companion(file, "c", &companion, NULL), NQM_ERR_ARG);
-    assert_null(companion);
-    assert_int_equal(nqm_brdf_find_companion(merl_path(), NULL, &companion, NULL), NQM_OK);
-    assert_null(companion);
 }

@@ -187,7 +187,7 @@ TEST(distinguishes_light_and_viewer) {
 
     const char *copy = scratch_path("copy.binary");
     nqm_brdf *again;
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_MERL_360, copy, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_MERL_360, NULL, copy, NULL, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_open(copy, &again, NULL), NQM_OK);
     for (int i = 0; i < 1000; ++i) {
         const size_t cell[3] = {nqm_rng_below(&rng, 90), nqm_rng_below(&rng, 90), nqm_rng_below(&rng, 360)};
@@ -205,7 +205,7 @@ TEST(distinguishes_light_and_viewer) {
     blob_save_sparse(&(blob){head, sizeof head}, 12 + 3 * 90 * 90 * 360 * 8 - 8, copy);
     expect_refused(copy, NQM_ERR_FORMAT, 12 + 3 * 90 * 90 * 360 * 8 - 8);
     nqm_error err = {0};
-    assert_int_equal(nqm_brdf_write(brdf, (nqm_table_format)99, copy, NULL, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_brdf_write(brdf, (nqm_file_format)99, NULL, copy, NULL, NULL, &err), NQM_ERR_ARG);
     nqm_brdf_free(brdf);
 }
 
@@ -237,7 +237,7 @@ TEST(writes_what_it_reads) {
     const char *path = scratch_path("written.binary");
     nqm_brdf *network = open_network(), *table;
     ticks t = {0};
-    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, count_ticks, &t, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(network, NQM_FILE_MERL, NULL, path, count_ticks, &t, NULL), NQM_OK);
     assert_true(t.n >= 1 && t.last == t.total && t.total > 0);
     assert_int_equal(nqm_brdf_open(path, &table, NULL), NQM_OK);
     blob b = blob_load(path);
@@ -270,12 +270,12 @@ TEST(stops_and_leaves_nothing) {
     nqm_brdf *network = open_network();
     ticks t = {.stop_at = 1};
     nqm_error err = {0};
-    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, count_ticks, &t, &err), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_brdf_write(network, NQM_FILE_MERL, NULL, path, count_ticks, &t, &err), NQM_ERR_CANCELLED);
     assert_int_equal(err.status, NQM_ERR_CANCELLED);
     assert_int_equal(access(path, F_OK), -1);
-    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, "/nowhere/x.binary", NULL, NULL, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_brdf_write(network, NQM_FILE_MERL, NULL, "/nowhere/x.binary", NULL, NULL, &err), NQM_ERR_IO);
     nqm_alloc_fail_after(0);
-    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, NULL, NULL, &err), NQM_ERR_NOMEM);
+    assert_int_equal(nqm_brdf_write(network, NQM_FILE_MERL, NULL, path, NULL, NULL, &err), NQM_ERR_NOMEM);
     nqm_alloc_fail_after(-1);
     nqm_brdf_free(network);
 }

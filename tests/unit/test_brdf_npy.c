@@ -62,7 +62,7 @@ TEST(agrees_with_numpy_at_any_azimuth) {
     assert_string_equal(nqm_brdf_get_info(brdf).layout, "3x2x4x3 nodes");
     assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 0);
     const char *copy = scratch_path("copy.npy"); /* is written as it was read */
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, copy, NULL, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
     blob file = blob_load(copy), read = vector_npy("turned");
     assert_int_equal(file.n_bytes, read.n_bytes);
@@ -104,7 +104,7 @@ TEST(writes_what_it_reads) {
     const char *path = save_array("f4"), *copy = scratch_path("copy.npy");
     nqm_table_size size, again_size;
     nqm_brdf *brdf = must_open(path);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, copy, NULL, NULL, NULL), NQM_OK);
     nqm_brdf *again = must_open(copy);
     const float *a = nqm_table_values(brdf, &size), *b = nqm_table_values(again, &again_size);
     assert_memory_equal(&size, &again_size, sizeof size);
@@ -116,7 +116,7 @@ TEST(writes_what_it_reads) {
     nqm_brdf_free(brdf);
 
     brdf = must_open("ggx:kd=.2;alpha=.4");
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, copy, NULL, NULL, NULL), NQM_OK);
     again = must_open(copy);
     assert_string_equal(nqm_brdf_get_info(again).layout, "90x46x24 nodes");
     const double hd[3] = {0.3, 0.4, 1};
@@ -125,9 +125,9 @@ TEST(writes_what_it_reads) {
     nqm_brdf_eval_half_diff(again, 1, hd, rgb, NULL);
     assert_relative(rgb[0], expected[0], 1e-3);
     nqm_alloc_fail_after(0);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_ERR_NOMEM);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, copy, NULL, NULL, NULL), NQM_ERR_NOMEM);
     nqm_alloc_fail_after(-1);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, "/nowhere/x.npy", NULL, NULL, NULL), NQM_ERR_IO);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, "/nowhere/x.npy", NULL, NULL, NULL), NQM_ERR_IO);
     nqm_brdf_free(again);
     nqm_brdf_free(brdf);
 }

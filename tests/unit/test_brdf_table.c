@@ -217,10 +217,12 @@ TEST(anisotropic_brdfs_get_phi_h) {
     nqm_brdf *brdf, *table;
     nqm_error err = {0};
     assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = brushed, .user = &turn}, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_MERL, scratch_path("x.binary"), NULL, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_MERL, NULL, scratch_path("x.binary"), NULL, NULL, &err),
+                     NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "is anisotropic"));
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_MERL_360, scratch_path("x.binary"), NULL, NULL, NULL), NQM_ERR_ARG);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, path, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_MERL_360, NULL, scratch_path("x.binary"), NULL, NULL, NULL),
+                     NQM_ERR_ARG);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, path, NULL, NULL, NULL), NQM_OK);
     table = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).layout, "90x46x24x48 nodes");
     assert_true(nqm_brdf_get_info(table).n_bytes < 64 << 20);
@@ -242,7 +244,7 @@ TEST(anisotropic_brdfs_get_phi_h) {
     nqm_brdf_free(table);
     nqm_brdf_free(brdf);
     assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = brushed}, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, path, NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, path, NULL, NULL, NULL), NQM_OK);
     table = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).layout, "90x46x24 nodes");
     nqm_brdf_free(table);

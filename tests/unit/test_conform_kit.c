@@ -54,7 +54,7 @@ TEST(specs_are_the_parameters) {
             const nqm_conform_set s = nqm_conform_kit_get_set(kit, set);
             double rgb[3 * N];
             nqm_brdf *brdf = must_open(s.spec);
-            nqm_brdf_eval(brdf, N, nqm_directions_wi(directions), nqm_directions_wo(directions), rgb, NULL);
+            nqm_brdf_eval(brdf, N, nqm_directions_get_info(directions).wi, nqm_directions_get_info(directions).wo, rgb, NULL);
             for (size_t i = 0; i < 3 * N; ++i)
                 assert_near((double)values[3 * N * set + i], rgb[i], 1e-4 * (1 + rgb[i]));
             for (size_t c = 0; c < info.n_columns; ++c)

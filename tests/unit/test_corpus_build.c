@@ -58,7 +58,8 @@ static nqm_status try_build(const nqm_corpus_options *options, const char *name,
 static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
     nqm_error err = {0};
     nqm_dataset *dataset = NULL;
-    if (try_build(options, name, &err) != NQM_OK || nqm_dataset_load(scratch_path(name), &dataset, &err) != NQM_OK)
+    if (try_build(options, name, &err) != NQM_OK ||
+        nqm_dataset_load(scratch_path(name), NULL, NQM_SPLIT_ALL, &dataset, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return dataset;
 }
@@ -68,7 +69,7 @@ static double label_of(const nqm_scene *scene, const char *ref, const char *test
     const char *arguments[] = {ref, test};
     for (size_t i = 0; i < 2; ++i) {
         nqm_brdf *brdf;
-        picture[i] = nqm_alloc(9 * nqm_scene_count(scene), sizeof **picture);
+        picture[i] = nqm_alloc(9 * nqm_scene_get_info(scene).n_points, sizeof **picture);
         assert_int_equal(nqm_fit_open(arguments[i], NULL, &brdf, NULL), NQM_OK);
         assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, picture[i], NULL, NULL), NQM_OK);
         nqm_brdf_free(brdf);
@@ -121,7 +122,7 @@ TEST(anisotropic_pairs_are_labelled_when_wanted) {
         nqm_error err = {0};
         options.anisotropic = i;
         assert_int_equal(nqm_corpus_build(3, some, at, &options, scratch_path("some.safetensors"), NULL), NQM_OK);
-        assert_int_equal(nqm_dataset_load(scratch_path("some.safetensors"), &d, NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_load(scratch_path("some.safetensors"), NULL, NQM_SPLIT_ALL, &d, NULL), NQM_OK);
         assert_int_equal(nqm_dataset_get_info(d).n_pairs, i ? 3 : 1);
         assert_int_equal(strstr(nqm_dataset_get_info(d).manifest, "azimuth") != NULL, !i); /* failures */
         const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = 1, .pairs = (size_t[]){0}, .to = to};

@@ -27,7 +27,7 @@ static void write_labels(const char *labels) {
 static nqm_dataset *load(const char *labels, nqm_split split) {
     nqm_dataset *d;
     nqm_error err = {0};
-    if (nqm_dataset_load_authors(root, labels, split, &d, &err) != NQM_OK)
+    if (nqm_dataset_load(root, labels, split, &d, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return d;
 }
@@ -115,7 +115,7 @@ static void refuse(const char *labels, nqm_status status, const char *words) {
     write_labels(labels);
     nqm_dataset *d;
     nqm_error err = {0};
-    assert_int_equal(nqm_dataset_load_authors(root, csv_path, NQM_SPLIT_ALL, &d, &err), status);
+    assert_int_equal(nqm_dataset_load(root, csv_path, NQM_SPLIT_ALL, &d, &err), status);
     assert_null(d);
     if (!strstr(err.message, words))
         fail_msg("'%s' is not in '%s'", words, err.message);
@@ -130,7 +130,7 @@ TEST(names_what_is_wrong) {
     refuse("material,model,level,DeltaE,JOD\nbrass_1,ward,0,1,12\n", NQM_ERR_FORMAT, "JOD of pair 0");
     refuse("material,model,level,DeltaE,JOD\n", NQM_ERR_FORMAT, "no rows");
     nqm_dataset *d;
-    assert_int_equal(nqm_dataset_load_authors(root, "no such file", NQM_SPLIT_ALL, &d, NULL), NQM_ERR_IO);
+    assert_int_equal(nqm_dataset_load(root, "no such file", NQM_SPLIT_ALL, &d, NULL), NQM_ERR_IO);
     unlink(csv_path);
 }
 
@@ -140,7 +140,7 @@ TEST(refuses_other_directions) {
     static unsigned char bytes[SIZE];
     char command[1200];
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
-    const double theta_h = nqm_directions_degrees(d->directions)[0];
+    const double theta_h = nqm_directions_get_info(d->directions).degrees[0];
     nqm_dataset_free(d);
     snprintf(command, sizeof command, "rm -rf other_authors; cp -R '%s' other_authors && chmod -R u+w other_authors",
              root);
@@ -158,7 +158,7 @@ TEST(refuses_other_directions) {
     assert_int_equal(fwrite(other, 1, 8, f), 8);
     fclose(f);
     nqm_error err = {0};
-    assert_int_equal(nqm_dataset_load_authors("other_authors", "other_authors/labels.csv", NQM_SPLIT_ALL, &d, &err),
+    assert_int_equal(nqm_dataset_load("other_authors", "other_authors/labels.csv", NQM_SPLIT_ALL, &d, &err),
                      NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "brass_1.mat: random_locations differ from those of the first file (row 1:"));
     assert_int_equal(system("rm -rf other_authors"), 0);

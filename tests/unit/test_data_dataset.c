@@ -33,7 +33,7 @@ TEST(round_trip) {
     char sha256[65];
     nqm_dataset *d;
     assert_int_equal(nqm_dataset_write(toy, path, sha256, NULL), NQM_OK);
-    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &d, NULL), NQM_OK);
     nqm_dataset_info info = nqm_dataset_get_info(d);
     assert_int_equal(info.n_directions, 16);
     assert_int_equal(info.n_refs, 8);
@@ -75,7 +75,7 @@ TEST(families_may_be_missing) {
     nqm_dataset old = *toy, *d;
     old.kind_families = (nqm_names){0};
     assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
-    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &d, NULL), NQM_OK);
     assert_string_equal(nqm_dataset_get_kind(d, 1).family, "");
     nqm_dataset_free(d);
 }
@@ -86,7 +86,7 @@ TEST(errors_may_be_missing) {
     char with[65], without[65];
     old.delta_e_error = NULL;
     assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
-    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &d, NULL), NQM_OK);
     assert_null(d->delta_e_error);
     assert_int_equal(nqm_dataset_hash(toy, with, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_hash(d, without, NULL), NQM_OK);
@@ -110,7 +110,7 @@ TEST(sources_of_references) {
         snprintf(manifest + n, sizeof manifest - n, "]}");
         made.manifest = manifest;
         assert_int_equal(nqm_dataset_write(&made, path, NULL, NULL), NQM_OK);
-        assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &d, NULL), NQM_OK);
         for (size_t i = 0; i < d->n_pairs; ++i)
             assert_string_equal(nqm_dataset_get_pair(d, i).source, turn ? "" : groups[d->pair_ref[i]]);
         nqm_dataset_free(d);
@@ -197,7 +197,7 @@ TEST(broken_transport) {
     refuse(&d, "need each other");
     d.transport_points = NULL;
     assert_int_equal(nqm_dataset_write(&d, path, NULL, NULL), NQM_OK);
-    assert_int_equal(nqm_dataset_load(path, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &loaded, NULL), NQM_OK);
     assert_null(nqm_dataset_transport(loaded).light);
     nqm_dataset_free(loaded);
     d.transport = toy->transport;
@@ -241,7 +241,7 @@ TEST(broken_transport) {
         nqm_error err = {0};
         assert_int_equal(nqm_safetensors_write("misshapen.tmp", NQM_DATASET_ARRAYS, tensors, 6, meta, NULL, NULL),
                          NQM_OK);
-        assert_int_equal(nqm_dataset_load("misshapen.tmp", &loaded, &err), NQM_ERR_FORMAT);
+        assert_int_equal(nqm_dataset_load("misshapen.tmp", NULL, NQM_SPLIT_ALL, &loaded, &err), NQM_ERR_FORMAT);
         assert_non_null(strstr(err.message, tensors[wrong].name));
         assert_non_null(strstr(err.message, "type and shape"));
     }
@@ -277,10 +277,10 @@ TEST(damage_is_noticed) {
 TEST(foreign_files) {
     nqm_dataset *d;
     nqm_error err = {0};
-    assert_int_equal(nqm_dataset_load("no such file", &d, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_dataset_load("no such file", NULL, NQM_SPLIT_ALL, &d, &err), NQM_ERR_IO);
     assert_non_null(strstr(err.message, "no such file"));
-    assert_int_equal(nqm_dataset_load("/", &d, &err), NQM_ERR_IO);
-    assert_int_equal(nqm_dataset_load(test_vector("net.safetensors"), &d, &err), NQM_ERR_FORMAT);
+    assert_int_equal(nqm_dataset_load("/", NULL, NQM_SPLIT_ALL, &d, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_dataset_load(test_vector("net.safetensors"), NULL, NQM_SPLIT_ALL, &d, &err), NQM_ERR_FORMAT);
     assert_non_null(strstr(err.message, "no nqm dataset"));
     assert_null(d);
 }
@@ -291,7 +291,7 @@ TEST(memory_runs_out) {
     long n = -1;
     EVERY_ALLOCATION(n, status, 0) {
         nqm_dataset *d;
-        status = nqm_dataset_load(path, &d, NULL);
+        status = nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &d, NULL);
         assert_true((status == NQM_OK) == (d != NULL));
         nqm_dataset_free(d);
     }

@@ -4,6 +4,7 @@
  * not change the bits; a BRDF without values is refused.
  */
 #include "brdf/brdf.h"
+#include "fit/fit.h"
 #include "support/check.h"
 
 #include <nqm/fit.h>

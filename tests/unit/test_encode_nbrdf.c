@@ -4,6 +4,7 @@
  * and cancellation. Compared with measured materials and the published networks if the shared data are present.
  */
 #include "brdf/brdf.h"
+#include "fit/fit.h"
 #include "math/math.h"
 #include "support/check.h"
 

@@ -5,6 +5,7 @@
  */
 #include "brdf/brdf.h"
 #include "encode/sparse.h"
+#include "fit/fit.h"
 #include "math/math.h"
 #include "support/allocations.h"
 #include "support/check.h"

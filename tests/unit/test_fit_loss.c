@@ -54,7 +54,7 @@ static void make_roots(const char *truth, roots *r) {
 
 TEST(words_are_those_of_the_metrics) {
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        assert_string_equal(nqm_fit_loss_words[NQM_FIT_RMSE + m], nqm_metric_name((nqm_metric)m));
+        assert_string_equal(nqm_fit_loss_words[NQM_FIT_RMSE + m], nqm_metric_get_info((nqm_metric)m).name);
     assert_null(nqm_fit_loss_words[NQM_FIT_N_LOSSES]);
 }
 
@@ -72,7 +72,7 @@ TEST(values_are_those_of_the_metrics) {
     for (size_t i = 0; i < 500; ++i) {
         double hd[3];
         for (size_t k = 0; k < 3; ++k)
-            hd[k] = nqm_directions_degrees(directions)[3 * i + k] * acos(-1) / 180;
+            hd[k] = nqm_directions_get_info(directions).degrees[3 * i + k] * acos(-1) / 180;
         nqm_half_diff_to_directions(hd, wi + 3 * i, wo + 3 * i);
     }
     nqm_brdf_eval(ref, 500, wi, wo, ref_rgb, NULL);

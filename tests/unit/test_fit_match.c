@@ -6,6 +6,7 @@
 #include "fit/fit.h"
 #include "fit/match.h"
 #include "math/math.h"
+#include "model/model.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"

@@ -3,6 +3,7 @@
  * Fits of the sharpest measured materials of the RGL database (lobes of 0.2 to 0.5 degrees half-width): the fit has the
  * highlight, and its base is not brighter to compensate for the tail of the lobe. Needs the shared data.
  */
+#include "fit/fit.h"
 #include "support/check.h"
 
 #include <nqm/fit.h>

@@ -73,7 +73,7 @@ TEST(bad_bounds_are_refused) {
 /* Coordinate to value and back, for every scale; the bounds are those of the values. */
 TEST(coordinates_are_those_of_values) {
     const nqm_fit_options options = nqm_fit_options_default();
-    for (size_t m = 0; nqm_fit_model(m); ++m) {
+    for (size_t m = 0; m < NQM_FIT_FIRST_SHADING; ++m) {
         const nqm_fit_entry *entry;
         nqm_fit_space space;
         assert_int_equal(nqm_fit_entry_find(nqm_fit_model(m), &entry, NULL), NQM_OK);

@@ -113,11 +113,11 @@ static nqm_status note(void *user, const char *base, nqm_error *err) {
 TEST(bases_are_visited) {
     EVERY_ROW(row, "bases of specs") {
         char text[200] = "";
-        assert_int_equal(nqm_fit_visit_bases(row[0], note, text, NULL), NQM_OK);
+        assert_int_equal(nqm_argument_visit_bases(row[0], note, text, NULL), NQM_OK);
         assert_string_equal(text, row[1]);
     }
     char deep[400] = "", text[200] = "";
     for (size_t i = 0; i < 20; ++i)
         strcat(deep, "perturb:mix=1;of=");
-    assert_int_equal(nqm_fit_visit_bases(strcat(deep, "a"), note, text, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_argument_visit_bases(strcat(deep, "a"), note, text, NULL), NQM_ERR_ARG);
 }

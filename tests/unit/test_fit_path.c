@@ -26,7 +26,7 @@ TEST(paths_lead_downhill) {
     nqm_fit_target target;
     nqm_brdf *ref = must_open(truth);
     assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
-    for (size_t k = 0; nqm_fit_model(k); ++k) {
+    for (size_t k = 0; k < NQM_FIT_FIRST_SHADING; ++k) {
         const nqm_fit_entry *entry;
         double sum[3] = {0};
         assert_int_equal(nqm_fit_entry_find(nqm_fit_model(k), &entry, NULL), NQM_OK);

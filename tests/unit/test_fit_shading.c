@@ -3,6 +3,7 @@
  * Fits of shading models: each recovers a material of its own, plain values stay plain, bounds and starts hold, and invalid
  * ones are refused.
  */
+#include "fit/fit.h"
 #include "support/check.h"
 #include "support/fitting.h"
 #include "support/rows.h"

@@ -424,7 +424,7 @@ TEST(choice_by_name) {
     for (size_t i = 0; nqm_kernels_name(i); ++i) {
         assert_int_equal(nqm_kernels_select(nqm_kernels_name(i), NULL), NQM_OK);
         assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(i));
-        assert_string_equal(nqm_kernels_selected(), nqm_kernels_name(i));
+        assert_string_equal(nqm_kernels_get()->name, nqm_kernels_name(i));
     }
     nqm_error err = {0};
     assert_int_equal(nqm_kernels_select("abacus", &err), NQM_ERR_ARG);
@@ -432,6 +432,6 @@ TEST(choice_by_name) {
     assert_ptr_equal(nqm_kernels_get(), &nqm_kernels_scalar); /* a refused selection has no effect */
     assert_int_equal(nqm_kernels_select(NULL, NULL), NQM_OK);
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
-    assert_string_equal(nqm_precision_name(NQM_PRECISION_BF16), "bf16");
-    assert_null(nqm_precision_name(NQM_PRECISION_COUNT));
+    assert_string_equal(nqm_precision_words[NQM_PRECISION_BF16], "bf16");
+    assert_null(nqm_precision_words[NQM_PRECISION_COUNT]);
 }

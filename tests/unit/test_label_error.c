@@ -21,7 +21,7 @@ static double spread_by_error(const char *ref, const char *test) {
         o.seed = seed;
         nqm_scene *scene = make_scene(&o);
         double *a = render_spec(scene, ref), *b = render_spec(scene, test);
-        const nqm_label label = nqm_scene_compare(scene, a, b);
+        const nqm_label label = nqm_scene_compare(scene, a, b, NULL);
         nqm_free(a);
         nqm_free(b);
         nqm_scene_free(scene);

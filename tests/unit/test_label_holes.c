@@ -31,7 +31,7 @@ static nqm_brdf *make(limits *l) {
 
 static nqm_scene_picture picture_of(const nqm_scene *scene, limits *l) {
     nqm_scene_picture p = {.brdf = make(l)};
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb);
+    double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 9 * sizeof *rgb);
     assert_int_equal(nqm_scene_render_halves(scene, p.brdf, NULL, rgb, &p.valid, NULL), NQM_OK);
     p.rgb_cdm2 = rgb;
     return p;
@@ -74,7 +74,7 @@ TEST(what_has_values_is_compared) {
     limits *pairs[][2] = {{&whole, &high_sun},      {&high_sun, &whole},        {&steep_view, &whole},
                           {&high_sun, &steep_view}, {&brushed, &whole_brushed}, {&high_sun, &high_sun}};
     nqm_scene *scene = scene_of(0.3);
-    double *map = nqm_alloc(nqm_scene_count(scene), sizeof *map);
+    double *map = nqm_alloc(nqm_scene_get_info(scene).n_points, sizeof *map);
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
         nqm_scene_picture ref = picture_of(scene, pairs[i][0]), test = picture_of(scene, pairs[i][1]);
         const limits both = {fmax(pairs[i][0]->least_wi, pairs[i][1]->least_wi),
@@ -84,7 +84,7 @@ TEST(what_has_values_is_compared) {
         assert_int_equal(nqm_scene_label(scene, &ref, &test, &label, map, &valid, NULL), NQM_OK);
         /* the light directions of brushed ones follow their lobes, which are measured where they have values */
         assert_true(label.delta_e <= (pairs[i][0]->is_brushed ? 0.05 : 0));
-        for (size_t p = 0; p < nqm_scene_count(scene); ++p)
+        for (size_t p = 0; p < nqm_scene_get_info(scene).n_points; ++p)
             assert_true(map[p] == 0 || pairs[i][0]->is_brushed);
         assert_true(valid < 1 && valid <= fmin(ref.valid, test.valid));
         assert_near(valid, expected_fraction(scene, &both), 0.025);
@@ -125,7 +125,7 @@ TEST(differences_count) {
 TEST(too_few_values_are_refused) {
     limits nothing = {.least_wi = 2}, high_sun = {.least_wi = 0.3}, steep_view = {.least_wo = 0.3};
     nqm_scene *scene = scene_of(0.9);
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb), valid = -1;
+    double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 9 * sizeof *rgb), valid = -1;
     nqm_brdf *brdf = make(&nothing);
     nqm_error err = {0};
     assert_int_equal(nqm_scene_render(scene, brdf, rgb, &valid, &err), NQM_ERR_INCOMPATIBLE);

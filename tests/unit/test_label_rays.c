@@ -52,8 +52,8 @@ static void mean_of_rays(const nqm_rays *rays, const char *spec, double *mean) {
 }
 
 static void mean_of_scene(const nqm_scene *scene, const char *spec, double *mean) {
-    const size_t n = nqm_scene_count(scene);
-    const double *weights = nqm_scene_weights(scene);
+    const size_t n = nqm_scene_get_info(scene).n_points;
+    const double *weights = nqm_scene_get_info(scene).weights;
     double *rgb = render_spec(scene, spec);
     for (size_t i = 0; i < 3 * n; ++i)
         mean[i % 3] += (weights ? weights[i / 3] : 1 / (double)n) * rgb[i];

@@ -43,10 +43,10 @@ static void make(const nqm_scene_options *o, size_t n_lights) {
     scene.n_points = 300;
     scene.n_lights = n_lights;
     assert_int_equal(nqm_node_grid_directions(&f.directions, NULL), NQM_OK);
-    assert_true(nqm_directions_count(f.directions) <= MAX_DIRECTIONS);
+    assert_true(nqm_directions_get_info(f.directions).n <= MAX_DIRECTIONS);
     f.scene = make_scene(o);
     assert_int_equal(nqm_transport_fill(&scene, POINTS, f.light, f.points, NULL), NQM_OK);
-    f.transport = (nqm_transport){nqm_directions_count(f.directions), f.light, {POINTS, f.points}};
+    f.transport = (nqm_transport){nqm_directions_get_info(f.directions).n, f.light, {POINTS, f.points}};
     assert_null(nqm_transport_fault(&f.transport, true));
 }
 

@@ -2,6 +2,7 @@
  *
  * The texts of tests/vectors/materials.txt: what becomes of each; and no beginning of one is read past its end, whichever allocation fails.
  */
+#include "brdf/brdf.h"
 #include "material/maps.h"
 #include "support/allocations.h"
 #include "support/check.h"

@@ -110,7 +110,7 @@ TEST(test_same_bits) {
 
 /* Room for two BRDFs: the one that was used last but two is opened again. */
 TEST(test_size_of_the_cache) {
-    const size_t entry = sizeof(nqm_cached) + 13 * nqm_directions_count(nqm_model_get_info(model).directions);
+    const size_t entry = sizeof(nqm_cached) + 13 * nqm_directions_get_info(nqm_model_get_info(model).directions).n;
     static const size_t steps[][3] = {{0, 1, 2}, {2, 2, 3}, {2, 1, 3}, {0, 0, 4}, {1, 1, 4}, {2, 2, 5}};
     nqm_scorer *scorer = make_scorer(2 * entry + entry / 2);
     for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i) {

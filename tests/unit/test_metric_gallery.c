@@ -13,12 +13,21 @@ enum { N = 6 };
 static const char *const names[N] = {"lambert:kd=.5", "lambert:kd=.52,.5,.5",           "sgd:nickel",
                                      "ward:nickel",   "ggx:kd=.1;ks=1;alpha=.1;f0=.04", "sgd:blue-acrylic"};
 
+/* nqm_scorer_draw() of names. */
+static nqm_status draw_names(nqm_scorer *scorer, size_t n, const char *const *of, nqm_gallery *gallery, size_t first,
+                             nqm_error *errors, nqm_error *err) {
+    nqm_subject subjects[N];
+    for (size_t i = 0; i < n; ++i)
+        subjects[i] = nqm_subject_named(of[i]);
+    return nqm_scorer_draw(scorer, n, subjects, gallery, first, errors, err);
+}
+
 static nqm_gallery *draw(nqm_scorer *scorer, const nqm_model *model) {
     nqm_gallery *gallery;
     nqm_error errors[N], err = {0};
     assert_int_equal(nqm_gallery_create(model, N, NULL, &gallery, &err), NQM_OK);
-    assert_int_equal(nqm_scorer_draw(scorer, 2, names, gallery, 0, errors, &err), NQM_OK);
-    assert_int_equal(nqm_scorer_draw(scorer, N - 2, names + 2, gallery, 2, errors + 2, &err), NQM_OK);
+    assert_int_equal(draw_names(scorer, 2, names, gallery, 0, errors, &err), NQM_OK);
+    assert_int_equal(draw_names(scorer, N - 2, names + 2, gallery, 2, errors + 2, &err), NQM_OK);
     for (size_t i = 0; i < N; ++i)
         assert_int_equal(errors[i].status, NQM_OK);
     return gallery;
@@ -60,7 +69,7 @@ TEST(threads_and_groups) {
         assert_int_equal(nqm_scorer_create(model, NULL, &scorer, &err), NQM_OK);
         gallery[k] = draw(scorer, model);
         nqm_gallery_jods(gallery[k], 2, gallery[0], 0, N, k, jod[k]);
-        assert_int_equal(nqm_scorer_draw(scorer, 1, &names[3], gallery[k], 3, &fault, &err), NQM_OK);
+        assert_int_equal(draw_names(scorer, 1, &names[3], gallery[k], 3, &fault, &err), NQM_OK);
         nqm_scorer_free(scorer);
     }
     assert_memory_equal(nqm_gallery_pictures(gallery[0]), nqm_gallery_pictures(gallery[1]),
@@ -86,7 +95,7 @@ TEST(faults) {
     assert_null(gallery);
     assert_int_equal(nqm_gallery_create(model, 2, NULL, &gallery, &err), NQM_OK);
     assert_int_equal(nqm_scorer_create(model, NULL, &scorer, &err), NQM_OK);
-    assert_int_equal(nqm_scorer_draw(scorer, 2, wrong, gallery, 0, errors, &err), NQM_OK);
+    assert_int_equal(draw_names(scorer, 2, wrong, gallery, 0, errors, &err), NQM_OK);
     assert_int_equal(errors[0].status, NQM_ERR_ARG);
     assert_int_equal(errors[1].status, NQM_OK);
     nqm_scorer_free(scorer);

@@ -24,8 +24,8 @@ static struct nqm_model *make_model(nqm_layout layout, nqm_target target) {
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
     nqm_params_init(&model->params, 4);
     model->params.layer[1].b[0] = 0.2f;
-    assert_int_equal(nqm_directions_from_degrees(N, nqm_directions_degrees(directions), &model->directions, NULL),
-                     NQM_OK);
+    assert_int_equal(
+        nqm_directions_from_degrees(N, nqm_directions_get_info(directions).degrees, &model->directions, NULL), NQM_OK);
     for (size_t k = 0; k < 3; ++k) {
         model->features.mean[k] = 0.3f + 0.1f * (float)k;
         model->features.std[k] = 0.5f - 0.1f * (float)k;

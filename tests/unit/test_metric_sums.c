@@ -89,8 +89,8 @@ static void check_features(const features *fast, const features *exact) {
     for (size_t k = 0; k < TESTS; ++k) {
         for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
             const double expected = exact->metrics[k][m];
-            check_near(fast->metrics[k][m], expected, 4e-7 * expected, nqm_metric_name((nqm_metric)m), __FILE__,
-                       __LINE__);
+            check_near(fast->metrics[k][m], expected, 4e-7 * expected, nqm_metric_get_info((nqm_metric)m).name,
+                       __FILE__, __LINE__);
         }
         for (size_t i = 0; i < NQM_SCALAR_ESTIMATE; ++i) {
             const double expected = exact->scalars[k][i], floor = log(1e-3 + 1.001e-5);

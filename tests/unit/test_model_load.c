@@ -220,13 +220,13 @@ TEST(test_builtin_models) {
     assert_int_equal(nqm_model_builtin("no such model", &model, &err), NQM_ERR_MODEL);
     assert_null(model);
     assert_non_null(strstr(err.message, "no such model"));
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i) {
         const char *name = nqm_model_builtin_name(i);
         if (nqm_model_builtin(name, &model, &err) != NQM_OK)
             fail_msg("%s", err.message);
         nqm_model_info info = nqm_model_get_info(model);
         assert_string_equal(info.id, name);
-        assert_int_equal(nqm_directions_count(info.directions), strcmp(name, "paper") == 0 ? 500 : 1872);
+        assert_int_equal(nqm_directions_get_info(info.directions).n, strcmp(name, "paper") == 0 ? 500 : 1872);
         if (strcmp(name, "paper") == 0)
             assert_int_equal(info.n_parameters, 4171125);
         nqm_model_free(model);
@@ -253,7 +253,7 @@ TEST(test_selftest) {
     if (status != NQM_OK)
         fail_msg("%s", err.message);
     size_t n_expected = 3;
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i) {
         nqm_model *model;
         assert_int_equal(nqm_model_builtin(nqm_model_builtin_name(i), &model, NULL), NQM_OK);
         n_expected += nqm_model_get_info(model).n_layers > 0 ? 3 : 2;

@@ -23,8 +23,8 @@ static nqm_directions *create(const nqm_directions_options *options, size_t n_re
 
 TEST(test_default_set) {
     nqm_directions *directions = create(NULL, 0, NULL);
-    assert_int_equal(nqm_directions_count(directions), 500);
-    const double *degrees = nqm_directions_degrees(directions);
+    assert_int_equal(nqm_directions_get_info(directions).n, 500);
+    const double *degrees = nqm_directions_get_info(directions).degrees;
     double mean_theta_d = 0, mean_phi_d = 0;
     size_t n_near_normal = 0;
     for (size_t i = 0; i < 500; ++i) {
@@ -53,7 +53,7 @@ TEST(test_theta_h_density) {
     options.n = 2000;
     options.theta_h_power = 3;
     nqm_directions *directions = create(&options, 0, NULL);
-    const double *degrees = nqm_directions_degrees(directions);
+    const double *degrees = nqm_directions_get_info(directions).degrees;
     size_t n_small = 0;
     while (n_small < options.n && degrees[3 * n_small] < 2)
         ++n_small;
@@ -133,7 +133,7 @@ TEST(test_references_attract) {
                    *again = create(&options, 1, refs);
     assert_string_equal(nqm_directions_id(drawn), nqm_directions_id(again));
     size_t n_bright = 0, n_duplicates = 0;
-    const double *d = nqm_directions_degrees(drawn), *p = nqm_directions_degrees(plain);
+    const double *d = nqm_directions_get_info(drawn).degrees, *p = nqm_directions_get_info(plain).degrees;
     for (size_t i = 0; i < options.n; ++i) {
         n_bright += d[3 * i + 2] < 90;
         n_duplicates += i > 0 && memcmp(d + 3 * i, d + 3 * i - 3, 3 * sizeof *d) == 0;
@@ -190,9 +190,9 @@ TEST(test_csv_round_trip) {
     nqm_directions_free(directions);
     scratch_text("directions.csv", "material,Phi_D,theta_h,theta_d\nfelt,10,20,30\n");
     assert_int_equal(nqm_directions_load_csv(scratch_path("directions.csv"), &back, NULL), NQM_OK);
-    assert_near(nqm_directions_degrees(back)[0], 20, 0);
-    assert_near(nqm_directions_degrees(back)[1], 30, 0);
-    assert_near(nqm_directions_degrees(back)[2], 10, 0);
+    assert_near(nqm_directions_get_info(back).degrees[0], 20, 0);
+    assert_near(nqm_directions_get_info(back).degrees[1], 30, 0);
+    assert_near(nqm_directions_get_info(back).degrees[2], 10, 0);
     nqm_directions_free(back);
 }
 

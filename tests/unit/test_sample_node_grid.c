@@ -15,7 +15,7 @@ static int make_grid(void **state) {
     (void)state;
     grid = nqm_node_grid_make();
     assert_int_equal(nqm_node_grid_directions(&directions, NULL), NQM_OK);
-    assert_int_equal(nqm_directions_count(directions), grid.n);
+    assert_int_equal(nqm_directions_get_info(directions).n, grid.n);
     return 0;
 }
 
@@ -27,7 +27,7 @@ static int drop_grid(void **state) {
 
 static float *sample(const char *spec) {
     nqm_brdf *brdf;
-    float *rgb = nqm_alloc(nqm_directions_count(directions), 3 * sizeof *rgb);
+    float *rgb = nqm_alloc(nqm_directions_get_info(directions).n, 3 * sizeof *rgb);
     assert_non_null(rgb);
     assert_int_equal(nqm_brdf_open(spec, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_sample(brdf, directions, NQM_INVALID_ZERO, rgb, NULL, NULL, NULL), NQM_OK);

@@ -86,7 +86,7 @@ nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name, v
     return (nqm_bench_entry){.run = run,
                              .user = user,
                              .row = json_pack("{s:s,s:s,s:s,s:s,s:i}", "bench", bench_name, "name", name, "by", "nqm",
-                                              "kernels", nqm_kernels_selected(), "threads", omp_get_max_threads()),
+                                              "kernels", nqm_kernels_get()->name, "threads", omp_get_max_threads()),
                              .peak = NQM_METER_NONE,
                              .read = NQM_METER_NONE};
 }
@@ -102,7 +102,7 @@ static size_t count_of(const nqm_bench_entry *entry, const char *key) {
 }
 
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop) {
-    nqm_bench_text(entry, "precision", nqm_precision_name(precision));
+    nqm_bench_text(entry, "precision", nqm_precision_words[precision]);
     entry->gflop = 1e-9 * flop;
     entry->peak = nqm_bench_peak_meter(bench, precision);
 }
@@ -168,7 +168,7 @@ static json_t *peak_row(const nqm_bench_unit *unit, const nqm_bench_meter *meter
                                                  : "reading")};
     if (unit) {
         nqm_bench_text(&e, "unit", unit->name);
-        nqm_bench_text(&e, "precision", nqm_precision_name(unit->precision));
+        nqm_bench_text(&e, "precision", nqm_precision_words[unit->precision]);
     }
     if (meter) {
         nqm_bench_count(&e, "threads", (size_t)omp_get_max_threads());

@@ -44,7 +44,7 @@ nqm_status nqm_bench_load(nqm_bench *bench, nqm_error *err) {
     nqm_status status = nqm_directions_create(NULL, 0, NULL, &directions, err);
     if (status != NQM_OK)
         return status;
-    const size_t n = nqm_directions_count(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
     load_job job = {.directions = directions, .rgb = nqm_alloc(n, 3 * sizeof *job.rgb)};
     if (!job.rgb)
         status = nqm_fail_nomem(err, n * 3 * sizeof *job.rgb);

@@ -94,8 +94,8 @@ static nqm_status spread_jods(const nqm_dataset *d, double *jod, nqm_error *err)
 
 nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret, nqm_error *err) {
     *dataset_ret = NULL;
-    const nqm_dataset_limits limits = {.n_directions = nqm_directions_count(directions),
-                                       .directions_deg = nqm_directions_degrees(directions),
+    const nqm_dataset_limits limits = {.n_directions = nqm_directions_get_info(directions).n,
+                                       .directions_deg = nqm_directions_get_info(directions).degrees,
                                        .max_refs = n_refs,
                                        .max_pairs = n_refs * TESTS_PER_REF};
     nqm_dataset_builder b;

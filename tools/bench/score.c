@@ -150,10 +150,10 @@ static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, nqm_erro
 nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
     const char *name = bench->options.model;
     nqm_status status = NQM_OK;
-    for (size_t i = 0; i < (name ? 1 : nqm_model_builtin_count()) && status == NQM_OK; ++i) {
+    for (size_t i = 0; (name ? i == 0 : nqm_model_builtin_name(i) != NULL) && status == NQM_OK; ++i) {
         const char *id = name ? name : nqm_model_builtin_name(i);
         nqm_model *model;
-        status = strchr(id, '.') ? nqm_model_load(id, &model, err) : nqm_model_builtin(id, &model, err);
+        status = nqm_model_load(id, &model, err);
         if (status == NQM_OK)
             status = bench_model(bench, model, err);
         nqm_model_free(model);

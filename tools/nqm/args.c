@@ -3,6 +3,7 @@
  * Options from tables, which drive parsing, ranges, defaults and help (help.c). Options may be anywhere among the
  * arguments; `--` ends them.
  */
+#include "argument/argument.h"
 #include "base/names.h"
 #include "metric/metric.h"
 #include "nqm/help.h"
@@ -153,8 +154,8 @@ static void check_first(const command *cmd, const char *word) {
 static void take_reflections(const command *cmd, int n, char **argv) {
     for (int i = 0; ignored_words && i < n; ++i) {
         const char *argument = reflecting(argv[i]);
-        const size_t n_name = nqm_pairs_name_length(argument);
         char text[200];
+        const size_t n_name = nqm_argument_name_length(argument);
         if (argument != argv[i] && cmd->table != &nqm_score_option_table &&
             nqm_pairs_describe_ignored(argument + (n_name ? n_name + 1 : 0), sizeof text, text))
             report(EXIT_OK, "%s: %s", argv[i], text);

@@ -20,7 +20,7 @@ static const char *const *offered(const help_row *row) {
     static const char *models[16];
     if (row->words || !row->metavar || strcmp(row->metavar, "MODEL") != 0)
         return row->words;
-    for (size_t i = 0; i < nqm_model_builtin_count() && i + 1 < sizeof models / sizeof *models; ++i)
+    for (size_t i = 0; nqm_model_builtin_name(i) && i + 1 < sizeof models / sizeof *models; ++i)
         models[i] = nqm_model_builtin_name(i);
     return *models ? models : NULL;
 }

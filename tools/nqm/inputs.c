@@ -3,7 +3,6 @@
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "base/names.h"
-#include "brdf/core/spec.h"
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
 #include "fit/open.h"
@@ -20,7 +19,7 @@
 #include <unistd.h>
 
 bool is_builtin(const char *name) {
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i)
         if (strcmp(nqm_model_builtin_name(i), name) == 0)
             return true;
     return false;
@@ -31,10 +30,15 @@ static bool is_word(const char *argument) {
     return !strpbrk(argument, "/.") && access(argument, F_OK) != 0;
 }
 
+static bool is_spec(const char *name) {
+    const nqm_argument_kind kind = nqm_argument_kind_of(name);
+    return kind == NQM_ARGUMENT_SPEC || kind == NQM_ARGUMENT_WRAPPER;
+}
+
 /* " (did you mean 'default'?)" for the nearest built-in model, or "". */
 static nqm_nearest nearest_model(const char *word) {
     nqm_nearest nearest = nqm_nearest_begin(word);
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i)
         nqm_nearest_add(&nearest, nqm_model_builtin_name(i));
     return nearest;
 }
@@ -42,17 +46,17 @@ static nqm_nearest nearest_model(const char *word) {
 static _Noreturn void stop_unknown_model(const char *name) {
     char known[256] = "";
     const nqm_nearest nearest = nearest_model(name);
-    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i)
+    for (size_t i = 0, n = 0; nqm_model_builtin_name(i) && n < sizeof known; ++i)
         n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
     bool is_all = strcmp(name, "all") == 0, is_metric = is_all;
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        is_metric |= strcmp(nqm_metric_name((nqm_metric)m), name) == 0;
+        is_metric |= strcmp(nqm_metric_get_info((nqm_metric)m).name, name) == 0;
     if (is_metric)
         stop(EXIT_MODEL,
              "there is no model '%s': it is %s, which --metrics %s adds to the results of score and batch; eval always "
              "has them",
              name, is_all ? "the word for all scalar metrics" : "a scalar metric", name);
-    if (nqm_spec_probe(name))
+    if (is_spec(name))
         stop(EXIT_MODEL, "'%s' is a BRDF, not a model: built in are %s; or give a model file", name, known);
     if (*known)
         stop(EXIT_MODEL, "there is no model '%s'%s: built in are %s; or give a model file", name, nearest.advice,
@@ -87,10 +91,9 @@ char *join_with_colon(const char *a, const char *b) {
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    bool is_built_in = is_builtin(name);
-    if (!is_built_in && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
+    if (!is_builtin(name) && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
-    must(is_built_in ? nqm_model_builtin(name, &model, &fault) : nqm_model_load(name, &model, &fault));
+    must(nqm_model_load(name, &model, &fault));
     return model;
 }
 
@@ -133,7 +136,7 @@ void report_remark(const nqm_brdf *brdf) {
 nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     refuse_model_name(argument);
-    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &fault), &fault));
+    must(nqm_fit_open(argument, NULL, &brdf, &fault));
     return brdf;
 }
 
@@ -171,7 +174,7 @@ const char **take_names(int n, char **arguments) {
     nqm_pairs_name *given = allocate((size_t)n, sizeof *given);
     size_t n_given = 0, group = 0;
     for (int i = 0; i < n; ++i) {
-        const size_t n_name = nqm_pairs_name_length(arguments[i]);
+        const size_t n_name = nqm_argument_name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
@@ -190,58 +193,36 @@ const char **take_names(int n, char **arguments) {
     return names;
 }
 
-bool is_file(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISREG(about.st_mode);
-}
-
-const char *member_name(const char *argument) {
-    unsigned ignored;
-    argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
-    return colon ? colon + 1 : NULL;
-}
-
-static nqm_pairs_files read_files;
-
-const nqm_materials *parsed_materials(const char *path) {
-    const nqm_materials *materials = nqm_pairs_materials(&read_files, path);
-    if (read_files.is_short)
-        stop(EXIT_LIMIT, "out of memory");
-    return materials;
-}
-
-const nqm_materials *read_library(const char *argument) {
-    const nqm_materials *materials = parsed_materials(argument);
-    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
+nqm_argument *parse_argument(const char *text) {
+    return must_have(nqm_argument_parse(text, NULL));
 }
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
 
 const char *ignored_words, *within;
 
-bool find_material(const char *argument, nqm_material_info *info) {
-    return nqm_pairs_find_material(&read_files, argument, info);
-}
-
 bool has_same_refusal(const nqm_named_pair *pair) {
-    return nqm_pairs_refused_alike(&read_files, pair);
+    return nqm_pairs_refused_alike(NULL, pair);
 }
 
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
-        stop(EXIT_USAGE,
-             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
-             "not '%s'",
-             ignored_words);
+        must(nqm_ignore_refuse(ignored_words, &fault));
     return ignored;
 }
 
 const char *reflecting(const char *argument) {
-    const size_t n_name = nqm_pairs_name_length(argument), at = n_name ? n_name + 1 : 0;
-    const char *text = nqm_pairs_reflecting(&read_files, argument + at, ignored_set());
-    return !text ? argument : at ? must_have(nqm_strdupf("%.*s%s", (int)at, argument, text)) : text;
+    const unsigned ignored = ignored_set();
+    const size_t n_name = nqm_argument_name_length(argument), at = n_name ? n_name + 1 : 0;
+    nqm_argument *a = ignored ? parse_argument(argument + at) : NULL;
+    char *taken = a ? nqm_argument_reflecting(a, ignored) : NULL;
+    nqm_argument_free(a);
+    if (!taken || !at)
+        return taken ? taken : argument;
+    char *text = must_have(nqm_strdupf("%.*s%s", (int)at, argument, taken));
+    nqm_free(taken);
+    return text;
 }
 
 bool is_folder(const char *path) {
@@ -289,8 +270,8 @@ nqm_directions *open_directions(const char *name_or_path) {
     if (is_builtin(name) || (name_or_path && looks_like_safetensors(name))) {
         nqm_model *model = open_model(name);
         const nqm_directions *borrowed = nqm_model_get_info(model).directions;
-        must(nqm_directions_from_degrees(nqm_directions_count(borrowed), nqm_directions_degrees(borrowed), &directions,
-                                         &fault));
+        must(nqm_directions_from_degrees(nqm_directions_get_info(borrowed).n, nqm_directions_get_info(borrowed).degrees,
+                                         &directions, &fault));
         nqm_model_free(model);
     } else if (name_or_path) {
         const nqm_nearest nearest = nearest_model(name);
@@ -306,9 +287,10 @@ nqm_directions *open_directions(const char *name_or_path) {
 }
 
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
-    const size_t n = nqm_directions_count(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
     double apart[2];
-    must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &fault));
+    must(nqm_scattered_distances(brdf, n, nqm_directions_get_info(directions).wi,
+                                 nqm_directions_get_info(directions).wo, apart, &fault));
     char text[400];
     if (nqm_pairs_describe_distance(argument, apart, sizeof text, text))
         report(EXIT_OK, "%s", text);
@@ -323,7 +305,6 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
         stop(access(path, F_OK) == 0 ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
              access(path, F_OK) == 0 ? "--labels is for a folder (the authors' layout), not for a dataset file"
                                      : strerror(errno));
-    must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &fault)
-                : nqm_dataset_load(path, &dataset, &fault));
+    must(nqm_dataset_load(path, labels ? input_path(labels) : NULL, split, &dataset, &fault));
     return dataset;
 }

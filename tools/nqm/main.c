@@ -3,6 +3,8 @@
  * nqm - predicts how good a BRDF approximation looks compared with its reference. This file prepares the process and calls the
  * verb.
  */
+#include "argument/argument.h"
+#include "kernel/kernel.h"
 #include "nqm/help.h"
 
 #include <fcntl.h>
@@ -63,6 +65,7 @@ int main(int argc, char **argv) {
     on_exit(report_lost_thread, NULL);
     reserve_standard_streams();
     nqm_roles_enforce();
+    nqm_argument_files_share();
     signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
     stop_without_json_memory();

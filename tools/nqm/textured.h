@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_TEXTURED_H
 #define NQM_TOOL_TEXTURED_H
 
+#include "argument/argument.h"
 #include "label/textured.h"
 #include "nqm/tool.h"
 #include "texture/score.h"
@@ -13,14 +14,8 @@
 bool is_textured(const char *argument);
 /** Whether an argument is a folder that is no material itself: one of files. */
 bool is_library(const char *argument);
-/** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
-nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
-/** Make the maps of an argument, if it has any, files that no output of this run replaces. */
-void keep_maps(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
-nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err);
-/** The same of such an argument; NULL and NQM_OK: it is not textured. */
-nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
+nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err);
 
 /** Options of verbs that make pictures. */
 typedef struct view_args {

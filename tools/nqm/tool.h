@@ -148,12 +148,8 @@ const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
-/** Whether it is a regular file. */
-bool is_file(const char *path);
-/** NAME of an argument "FILE:NAME"; NULL: it has none. */
-const char *member_name(const char *argument);
-/** The material of an argument "FILE" or "FILE:NAME", with what "ignore:WORDS:" before it ignores; false: it is none. */
-bool find_material(const char *argument, nqm_material_info *info);
+/** nqm_argument_free() it. */
+struct nqm_argument *parse_argument(const char *text);
 /** Whether both members are materials that nqm refuses for the same property, value and reason. */
 bool has_same_refusal(const nqm_named_pair *pair);
 /** NQM_IGNORE_... of --ignore; stops at other words. */
@@ -161,11 +157,6 @@ unsigned ignored_set(void);
 /** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a
  *  BRDF or texture of; valid to the end of the program. */
 const char *reflecting(const char *argument);
-/** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with
- *  another path. */
-const nqm_materials *parsed_materials(const char *path);
-/** The same of a file of several materials; NULL: it is another argument. */
-const nqm_materials *read_library(const char *argument);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
  *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
 const char *list_root(const char *root, const char *list_path);
@@ -262,7 +253,7 @@ json_t *json_tool(void);
 /** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
 /** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
- *  `similarity_jod` with the ends of its interval; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
+ *  `similarity_jod` with the ends of its interval; NULL: nqm_label_info.adapted_jod is. */
 json_t *json_label_parts(const nqm_label *label, const double *similarity);
 /** Columns of their first members for print_csv_line(). */
 #define PART_COLUMNS                                                                                                   \

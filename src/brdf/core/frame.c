@@ -145,3 +145,17 @@ nqm_status nqm_brdf_tilt(nqm_brdf *of, const double *normal, nqm_brdf **brdf_ret
     *(nqm_between_bases *)state = (nqm_between_bases){.of = of};
     return nqm_brdf_wrap(&nqm_tilt_wrapper.class_, state, &info, brdf_ret, err);
 }
+
+nqm_status nqm_brdf_tilt_degrees(nqm_brdf *of, double deg, double azimuth_deg, nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_between_bases bases = {.of = of, .owns_of = true};
+    const nqm_values values = {.v = {[DEG] = {deg}, [AZIMUTH] = {azimuth_deg}}};
+    nqm_brdf_info info = {.name = of->info.name, .isotropic = of->info.isotropic, .reciprocal = of->info.reciprocal};
+    void *state;
+    nqm_status status = create_tilted(&values, &bases, &info, &state, err);
+    if (status != NQM_OK) {
+        nqm_brdf_free(of);
+        return status;
+    }
+    *(nqm_between_bases *)state = bases;
+    return nqm_brdf_wrap(&nqm_tilt_wrapper.class_, state, &info, brdf_ret, err);
+}

@@ -88,10 +88,10 @@ NQM_SHADING_SCHEMAS(NQM_DECLARE_SHADING)
 NQM_SLOW_SCHEMAS(NQM_DECLARE_SHADING)
 NQM_SHADING_SCHEMAS(NQM_DECLARE_TWIN)
 
-/** An analytic model, preset or BRDF made of others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
- *  information; `open` opens the BRDFs that a wrapper names. */
-NQM_MUST_CHECK nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
-                                        nqm_error *err);
+/** An analytic model or preset from a spec: nqm_spec_probe(spec) is true. `name` is that of its information. */
+NQM_MUST_CHECK nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** NQM_ERR_LIMIT: a spec contains too many wrappers. */
+NQM_MUST_CHECK nqm_status nqm_spec_check_nesting(const char *spec, nqm_error *err);
 /** The model of the first n characters of `name`; NULL when there is none. */
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 
@@ -113,9 +113,6 @@ struct nqm_spec_wrapper {
                          void **state_ret, nqm_error *err);
 };
 extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper, nqm_rotate_wrapper, nqm_tilt_wrapper;
-/** `settings` is what follows the colon, `name` the whole argument; `open` opens the bases. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name,
-                                           nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err);
 /** The `free` of their classes. */
 void nqm_wrapper_free(void *state);
 

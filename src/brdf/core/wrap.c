@@ -66,75 +66,18 @@ static nqm_status parse(const nqm_spec_wrapper *w, const char *settings, nqm_val
     return status;
 }
 
-nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const nqm_between_bases *bases,
-                            nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_wrapper_check(const nqm_spec_wrapper *w, const char *settings, nqm_error *err) {
+    nqm_values values;
+    return parse(w, settings, &values, err);
+}
+
+nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const char *name,
+                            const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_values values;
     *brdf_ret = NULL;
     nqm_status status = parse(w, settings, &values, err);
     if (status == NQM_OK)
-        return wrap(w, &values, bases, NULL, brdf_ret, err);
+        return wrap(w, &values, bases, name, brdf_ret, err);
     free_owned(bases);
-    return status;
-}
-
-/* ---- text -------------------------------------------------------------------------------------------------------- */
-
-/* The parenthesis that closes the one before `text`; NULL: there is none. */
-static char *closing(char *text) {
-    size_t open = 1;
-    for (; *text; ++text) {
-        open += *text == '(';
-        open -= *text == ')';
-        if (open == 0)
-            return text;
-    }
-    return NULL;
-}
-
-bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of) {
-    static const char begin[] = ";with=(", middle[] = ";of=";
-    char *end = strncmp(text, middle + 1, strlen(middle) - 1) == 0 ? text : strstr(text, middle);
-    if (has_with) {
-        char *at = strstr(text, begin);
-        end = at ? closing(at + strlen(begin)) : NULL;
-        if (!end || strncmp(end + 1, middle, strlen(middle)) != 0)
-            return false;
-        *with = at + strlen(begin);
-        *at = *end++ = 0;
-    }
-    if (end)
-        *of = end + (*end == ';') + strlen(middle) - 1;
-    if (end)
-        *end = 0;
-    return end;
-}
-
-static nqm_status open_bases(const char *of, const char *with, nqm_brdf_opener *open, nqm_between_bases *bases,
-                             nqm_error *err) {
-    *bases = (nqm_between_bases){.owns_of = true, .owns_with = with != NULL};
-    nqm_status status = open(of, of, &bases->of, err);
-    if (status != NQM_OK || !with)
-        return status;
-    status = open(with, with, &bases->with, err);
-    if (status != NQM_OK)
-        nqm_brdf_free(bases->of);
-    return status;
-}
-
-nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name, nqm_brdf_opener *open,
-                            nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_values values;
-    nqm_between_bases bases;
-    const char *of = NULL, *with = NULL;
-    char *text = nqm_strdup(settings);
-    if (!text)
-        return nqm_fail_nomem(err, strlen(settings) + 1);
-    nqm_status status = nqm_wrapper_cut(text, w->has_with, &with, &of) ? parse(w, text, &values, err)
-                                                                       : nqm_fail(err, NQM_ERR_ARG, -1, "%s", w->form);
-    if (status == NQM_OK)
-        status = open_bases(of, with, open, &bases, err);
-    if (status == NQM_OK)
-        status = wrap(w, &values, &bases, name, brdf_ret, err);
-    nqm_free(text);
     return status;
 }

@@ -9,15 +9,9 @@
 
 /** An argument "FILE" or "FILE:MEMBER" of nqm_brdf_open(). */
 typedef struct nqm_brdf_argument {
-    const char *name;      /**< the whole argument, which becomes the name of the BRDF */
-    const char *member;    /**< MEMBER: which of several BRDFs, or a setting of the reader; NULL: "FILE" */
-    nqm_brdf_opener *open; /**< opens another BRDF that the file names */
-    unsigned ignored;      /**< of a material: NQM_IGNORE_... */
+    const char *name;   /**< the whole argument, which becomes the name of the BRDF */
+    const char *member; /**< MEMBER: which of several BRDFs, or a setting of the reader; NULL: "FILE" */
 } nqm_brdf_argument;
-
-/** The opener of nqm_brdf_open(): `name` becomes the name of the BRDF. */
-NQM_MUST_CHECK nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret,
-                                                 nqm_error *err);
 
 /** One file format. */
 typedef struct nqm_brdf_format {
@@ -29,11 +23,12 @@ typedef struct nqm_brdf_format {
     /** `map` has the bytes of the whole file; a BRDF that keeps it zeroes *map. The caller sets info.n_bytes, if it is 0. Without
      *  a member that it needs, it fails with NQM_ERR_ARG and examples. */
     nqm_status (*open)(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err);
-    /** The path of a second file that open() reads for this member, or NULL; nqm_free() it. NULL: there is never one. */
-    nqm_status (*find_companion)(const nqm_map *map, const char *member, char **path_ret, nqm_error *err);
+    /** The path of a second file that open() reads; nqm_free() it. NULL: there is none. */
+    nqm_status (*find_companion)(const nqm_map *map, char **path_ret, nqm_error *err);
 } nqm_brdf_format;
 
-/** Every format, in the order of probing. A new one is defined in a file of its own, and named here. */
+/** Every format, in the order of probing. A new one is defined in a file of its own, and named here. Material files are
+ *  recognised only: src/argument reads them. */
 #define NQM_BRDF_FORMATS(X)                                                                                            \
     X(nqm_merl_format)                                                                                                 \
     X(nqm_rgl_format)                                                                                                  \
@@ -49,6 +44,12 @@ typedef struct nqm_brdf_format {
     X(nqm_nbrdf_zip_format)
 #define NQM_DECLARE_BRDF_FORMAT(NAME) extern const nqm_brdf_format NAME;
 NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
+
+/** The format of a file that is not empty; NULL: none. */
+const nqm_brdf_format *nqm_brdf_format_of(const nqm_map *map);
+/** Open a file of a format (NULL: fail), as its open() does. */
+NQM_MUST_CHECK nqm_status nqm_brdf_open_file(const nqm_brdf_format *format, nqm_map *map,
+                                             const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** The values of a BRDF whose format is "table" as a tensor "rgb": (n_h, n_d, n_p, 3), or (n_h, n_d, n_p, n_phi_h, 3). */
 struct nqm_tensor nqm_table_tensor(const nqm_brdf *brdf);

@@ -158,8 +158,7 @@ static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *
     return NQM_OK;
 }
 
-static nqm_status find_companion(const nqm_map *map, const char *material, char **path_ret, nqm_error *err) {
-    (void)material;
+static nqm_status find_companion(const nqm_map *map, char **path_ret, nqm_error *err) {
     *path_ret = nqm_path_beside(map->path, "nps_latents.csv");
     return *path_ret ? NQM_OK : nqm_fail_nomem(err, strlen(map->path));
 }
@@ -167,7 +166,7 @@ static nqm_status find_companion(const nqm_map *map, const char *material, char 
 static nqm_status read_latent(const nqm_map *map, const char *material, nps *net, nqm_error *err) {
     char *path;
     nqm_csv *csv = NULL;
-    nqm_status status = find_companion(map, material, &path, err);
+    nqm_status status = find_companion(map, &path, err);
     if (status == NQM_OK)
         status = nqm_csv_load(path, &csv, err);
     if (status == NQM_OK)

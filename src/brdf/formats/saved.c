@@ -54,7 +54,6 @@ bool nqm_table_size_of(const nqm_tensor *t, nqm_table_size *size) {
 }
 
 nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
-    NQM_REQUIRE(err, brdf, path);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const bool is_network = strcmp(info.format, "nbrdf") == 0;
     nqm_tensor tensors[N_NETWORK];

@@ -38,12 +38,10 @@ static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
     return v;
 }
 
-static nqm_status examine(const char *argument, uint64_t seed, verdict *v, nqm_error *err) {
-    nqm_brdf *brdf = NULL;
+/* The BRDF is freed. */
+static nqm_status examine(nqm_brdf *brdf, uint64_t seed, verdict *v, nqm_error *err) {
     nqm_brdf_check_report r;
-    nqm_status status = nqm_brdf_open(argument, &brdf, err);
-    if (status == NQM_OK)
-        status = nqm_brdf_check(brdf, seed, &r, err);
+    const nqm_status status = nqm_brdf_check(brdf, seed, &r, err);
     if (status == NQM_OK) {
         report_remark(brdf);
         *v = judge(brdf, &r);
@@ -162,7 +160,8 @@ static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, co
     checked_texels *texels = user;
     for (size_t i = 0; i < n; ++i) {
         texels->at[texels->n] = samples[i].texel;
-        texels->specs[texels->n] = nqm_texture_spec(texels->texture, rows[0], i);
+        const nqm_values values = nqm_texture_values(texels->texture, rows[0], i);
+        texels->specs[texels->n] = nqm_values_spec(&values);
         if (!texels->specs[texels->n++])
             return nqm_fail_nomem(err, sizeof(nqm_values));
     }
@@ -280,7 +279,9 @@ static nqm_status judge_texels(const checked_texels *texels, uint64_t seed, verd
     *worst_ret = *n_failed = 0;
     for (size_t i = 0; status == NQM_OK && i < texels->n; ++i) {
         verdict v = {.is_merl = false};
-        status = examine(texels->specs[i], seed, &v, err);
+        nqm_brdf *brdf;
+        status = nqm_brdf_open(texels->specs[i], &brdf, err);
+        status = status == NQM_OK ? examine(brdf, seed, &v, err) : status;
         if (status == NQM_OK && show_progress(NULL, "texels", (double)i, (double)texels->n))
             status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
         *n_failed += status == NQM_OK && !passes(&v);
@@ -303,14 +304,14 @@ static void print_texture(const char *argument, const checked_texels *texels, co
 }
 
 /* As check_one(), of a material with image maps. */
-static int check_texture(const char *argument, uint64_t seed, json_t *results) {
+static int check_texture(nqm_argument *argument, uint64_t seed, json_t *results) {
     checked_texels texels = {0};
     verdict worst = {.is_merl = false};
     size_t i = 0, n_failed = 0;
     nqm_texture *texture;
     json_t *remarks = NULL;
     nqm_error err = {0};
-    nqm_status status = open_textured(argument, &texture, &err);
+    nqm_status status = open_texture(argument, &texture, &err);
     if (status == NQM_OK) {
         texels = (checked_texels){.texture = texture, .width = nqm_texture_get_info(texture, NULL).width};
         status = nqm_texture_visit(texture, MAX_CHECKED_TEXELS, add_texels, &texels, &err);
@@ -324,12 +325,12 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
     for (size_t k = 0; k < texels.n; ++k)
         nqm_free(texels.specs[k]);
     if (status == NQM_OK && results) {
-        json_t *item = to_json(argument, &worst);
+        json_t *item = to_json(argument->text, &worst);
         json_set(item, "texels:{checked:z failed:z worst:[zz] remarks:O}", texels.n, n_failed,
                  texels.at[i] % texels.width, texels.at[i] / texels.width, remarks);
         json_array_append_new(results, item);
     } else if (status == NQM_OK)
-        print_texture(argument, &texels, &worst, i, n_failed, remarks);
+        print_texture(argument->text, &texels, &worst, i, n_failed, remarks);
     json_decref(remarks);
     return status != NQM_OK ? report_error(&err) : passes(&worst) ? EXIT_OK : EXIT_GATE;
 }
@@ -337,20 +338,22 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
 /* ---- the verb's arguments ---------------------------------------------------------------------------------------- */
 
 /* Check and print one BRDF; results NULL: as text. Returns its exit code. */
-static int check_one(const char *argument, uint64_t seed, json_t *results) {
+static int check_one(nqm_argument *argument, uint64_t seed, json_t *results) {
     nqm_error err = {0};
     verdict v;
-    if (is_textured(argument))
+    if (nqm_argument_is_textured(argument))
         return check_texture(argument, seed, results);
-    const nqm_status status = examine(argument, seed, &v, &err);
+    nqm_brdf *brdf;
+    nqm_status status = nqm_argument_open(argument, &brdf, &err);
+    status = status == NQM_OK ? examine(brdf, seed, &v, &err) : status;
     if (status != NQM_OK && results)
-        json_array_append_new(results, json_row("brdf:s ok:b error:s", argument, 0, err.message));
+        json_array_append_new(results, json_row("brdf:s ok:b error:s", argument->text, 0, err.message));
     if (status != NQM_OK)
         return report_error(&err);
     if (results)
-        json_array_append_new(results, to_json(argument, &v));
+        json_array_append_new(results, to_json(argument->text, &v));
     else
-        print_text(argument, &v, "");
+        print_text(argument->text, &v, "");
     return passes(&v) ? EXIT_OK : EXIT_GATE;
 }
 
@@ -385,7 +388,9 @@ int cmd_check(int argc, char **argv) {
         if (interrupted())
             return EXIT_INTERRUPTED;
         refuse_model_name(argv[i]);
-        const int code = check_one(argv[i], seed, results);
+        nqm_argument *argument = parse_argument(argv[i]);
+        const int code = check_one(argument, seed, results);
+        nqm_argument_free(argument);
         if (exit_code == EXIT_OK || (exit_code == EXIT_GATE && code != EXIT_OK))
             exit_code = code; /* exit code of the first error; an error counts more than a failed check */
     }

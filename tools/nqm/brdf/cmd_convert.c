@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* In the order of nqm_table_format. */
+/* In the order of nqm_file_format. */
 static const char *const formats[] = {"merl", "merl-360", "npy", NULL};
 static const char *const layouts[] = {"90 x 90 x 180 cells", "90 x 90 x 360 cells", "nodes of a .npy array"};
 
@@ -51,7 +51,7 @@ int cmd_convert(int argc, char **argv) {
     nqm_brdf *brdf = open_brdf(argv[0]);
     report_remark(brdf);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &fault));
+    must(nqm_brdf_write(brdf, (nqm_file_format)format, NULL, output_path(output), show_progress, NULL, &fault));
     end_progress();
     if (json && strcmp(output, "-") != 0)
         print_document(json_row("brdf:s from:s output:s layout:s", info.name, info.format, output, layouts[format]));

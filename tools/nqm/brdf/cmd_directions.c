@@ -10,12 +10,12 @@
 
 /* Columns theta_h, theta_d, phi_d, and the directions of light and viewer, turned so that the light is at azimuth 0. */
 static void write_pairs(const nqm_directions *directions, const char *path) {
-    const double *degrees = nqm_directions_degrees(directions), degree = 3.14159265358979323846 / 180;
-    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
+    const double *degrees = nqm_directions_get_info(directions).degrees, degree = 3.14159265358979323846 / 180;
+    const double *wi = nqm_directions_get_info(directions).wi, *wo = nqm_directions_get_info(directions).wo;
     output_file out;
     open_output(path, &out);
     fputs("theta_h,theta_d,phi_d,theta_i,phi_i,theta_o,phi_o\n", out.stream);
-    for (size_t i = 0; i < nqm_directions_count(directions); ++i, degrees += 3, wi += 3, wo += 3) {
+    for (size_t i = 0; i < nqm_directions_get_info(directions).n; ++i, degrees += 3, wi += 3, wo += 3) {
         const double turn = atan2(wo[1], wo[0]) - atan2(wi[1], wi[0]);
         for (size_t k = 0; k < 3; ++k) { /* digits that read back as the same direction */
             char text[32];
@@ -28,8 +28,8 @@ static void write_pairs(const nqm_directions *directions, const char *path) {
 }
 
 static void print_directions(const nqm_directions *directions) {
-    const double *degrees = nqm_directions_degrees(directions);
-    size_t n = nqm_directions_count(directions);
+    const double *degrees = nqm_directions_get_info(directions).degrees;
+    size_t n = nqm_directions_get_info(directions).n;
     json_t *rows = json_array();
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(rows, json_pack("[f,f,f]", degrees[3 * i], degrees[3 * i + 1], degrees[3 * i + 2]));
@@ -94,7 +94,7 @@ int cmd_directions(int argc, char **argv) {
     else
         must(nqm_directions_save_csv(directions, output_path(path), &fault));
     if (!json && strcmp(path, "-") != 0)
-        report(EXIT_OK, "%s: %zu directions, id %s", path, nqm_directions_count(directions),
+        report(EXIT_OK, "%s: %zu directions, id %s", path, nqm_directions_get_info(directions).n,
                nqm_directions_id(directions));
     nqm_directions_free(directions);
     return EXIT_OK;

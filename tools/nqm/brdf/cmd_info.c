@@ -7,6 +7,7 @@
 #include "metric/metric.h"
 #include "nqm/help.h"
 #include "nqm/textured.h"
+#include "train/train.h"
 #include <nqm/material.h>
 #include <nqm/texture.h>
 
@@ -31,9 +32,9 @@ static int print_brdf(const char *argument, bool json) {
 }
 
 /* A material with image maps, which are decoded. */
-static int print_texture(const char *argument, bool json) {
+static int print_texture(nqm_argument *argument, bool json) {
     nqm_texture *texture;
-    must(nqm_texture_open(argument, show_progress, NULL, &texture, &fault));
+    must(nqm_texture_open_argument(argument, show_progress, NULL, &texture, &fault));
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
     json_t *members = json_row("kind:s name:s model:s width:z height:z n_images:z n_bytes:z varying:s remark:t",
@@ -101,28 +102,15 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     return EXIT_OK;
 }
 
-/* Files that are no material files, and those with one material, are BRDFs: opening one has the best message too. */
-static int print_file_of_brdfs(const char *argument, bool json) {
-    nqm_materials *materials = NULL;
-    int code = EXIT_OK;
-    const bool is_list = nqm_materials_open(argument, &materials, NULL) == NQM_OK;
-    if (is_list && nqm_materials_count(materials) > 1)
-        code = print_materials(argument, materials, json);
-    else
-        code = print_brdf(argument, json);
-    nqm_materials_free(materials);
-    return code;
-}
-
 static int print_dataset(const char *path, bool json) {
     nqm_dataset *dataset;
-    must(nqm_dataset_load(path, &dataset, &fault));
+    must(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *members = json_row("kind:s name:s sha256:s references:z groups:z pairs:z pairs_in:{train:z validation:z "
                                "test:z} directions:{n:z id:s}",
                                "dataset", path, info.sha256, info.n_refs, info.n_groups, info.n_pairs,
                                info.n_pairs_in[NQM_SPLIT_TRAIN], info.n_pairs_in[NQM_SPLIT_VALIDATION],
-                               info.n_pairs_in[NQM_SPLIT_TEST], nqm_directions_count(info.directions),
+                               info.n_pairs_in[NQM_SPLIT_TEST], nqm_directions_get_info(info.directions).n,
                                nqm_directions_id(info.directions));
     if (json)
         json_object_set_new(members, "manifest", parse_json(info.manifest));
@@ -146,9 +134,9 @@ json_t *json_model(const nqm_model *model) {
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
     return json_row("id:s recipe:s parameters:z sha256:s layers:o directions:{n:z id:s} jod_range:[ff] calibration:o "
                     "licence:s manifest_sha256:s card:s",
-                    info.id, info.recipe, info.n_parameters, info.sha256, layers, nqm_directions_count(info.directions),
-                    nqm_directions_id(info.directions), info.jod_min, info.jod_max, calibration_json(info.calibration),
-                    info.licence, info.manifest_sha256, info.card);
+                    info.id, info.recipe, info.n_parameters, info.sha256, layers,
+                    nqm_directions_get_info(info.directions).n, nqm_directions_id(info.directions), info.jod_min,
+                    info.jod_max, calibration_json(info.calibration), info.licence, info.manifest_sha256, info.card);
 }
 
 json_t *calibration_json(const char *stored) {
@@ -186,7 +174,7 @@ static void print_model_text(const nqm_model *model) {
     char layers[200];
     printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", shown(info.id), shown(info.recipe),
            info.n_parameters, layers_text(&info, layers, sizeof layers));
-    printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
+    printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_get_info(info.directions).n,
            nqm_directions_id(info.directions), info.jod_min, info.jod_max);
     print_calibration(info.calibration);
     printf("licence     %s\nsha256      %s\n", shown(info.licence), info.sha256);
@@ -225,11 +213,11 @@ static int annotate_model(const char *name, const char *notes_path, bool half, c
 /* A table of the built-in models, or as JSON all that json_model() has. */
 static int list_models(bool json) {
     json_t *list = json ? json_array() : NULL;
-    if (!json && nqm_model_builtin_count() == 0)
+    if (!json && !nqm_model_builtin_name(0))
         report(EXIT_OK, "none is built in; `nqm train` makes model files");
     else if (!json)
         printf("%-15s %-10s %10s  %-24s %s\n", "model", "recipe", "parameters", "layers", "sha256");
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i) {
         nqm_model *model = open_model(nqm_model_builtin_name(i));
         const nqm_model_info info = nqm_model_get_info(model);
         char layers[200];
@@ -281,7 +269,7 @@ static int print_file(const char *path, bool json) {
 static int print_presets(const char *word, bool json) {
     json_t *presets = json ? json_array() : NULL;
     size_t n = 0;
-    for (size_t i = 0; i < nqm_brdf_preset_count(); ++i) {
+    for (size_t i = 0; nqm_brdf_preset_name(i); ++i) {
         const char *name = nqm_brdf_preset_name(i);
         size_t n_model = strcspn(name, ":");
         if (!strstr(name, word))
@@ -348,7 +336,12 @@ int cmd_info(int argc, char **argv) {
         return annotate_model(argv[0], notes, half, output);
     if (is_builtin(argv[0]))
         return print_model(argv[0], json);
-    if (is_textured(argv[0]))
-        return print_texture(argv[0], json);
-    return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);
+    nqm_argument *argument = parse_argument(argv[0]);
+    const nqm_materials *several = nqm_argument_library(argument);
+    const int code = nqm_argument_is_textured(argument) ? print_texture(argument, json)
+                     : several                          ? print_materials(argv[0], several, json)
+                     : looks_like_safetensors(argv[0])  ? print_file(argv[0], json)
+                                                        : print_brdf(argv[0], json);
+    nqm_argument_free(argument);
+    return code;
 }

@@ -27,7 +27,7 @@ static double value_of(const sample_set *s, size_t i, size_t channel) {
 }
 
 static void print_samples_csv(const sample_set *s) {
-    const double *degrees = nqm_directions_degrees(s->directions);
+    const double *degrees = nqm_directions_get_info(s->directions).degrees;
     puts("theta_h,theta_d,phi_d,r,g,b");
     for (size_t i = 0; i < s->report.n; ++i, degrees += 3) {
         printf("%.9g,%.9g,%.9g", degrees[0], degrees[1], degrees[2]);
@@ -37,7 +37,7 @@ static void print_samples_csv(const sample_set *s) {
 }
 
 static void print_samples_json(const sample_set *s) {
-    const double *degrees = nqm_directions_degrees(s->directions);
+    const double *degrees = nqm_directions_get_info(s->directions).degrees;
     json_t *samples = json_array();
     for (size_t i = 0; i < s->report.n; ++i, degrees += 3)
         json_array_append_new(samples, json_row("theta_h:f theta_d:f phi_d:f r:f g:f b:f", degrees[0], degrees[1],
@@ -100,7 +100,7 @@ int cmd_sample(int argc, char **argv) {
     nqm_brdf *brdf = open_brdf(argv[0]);
     report_remark(brdf);
     nqm_directions *directions = open_directions(directions_name);
-    const size_t n = nqm_directions_count(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
     sample_set s = {.brdf = argv[0],
                     .directions = directions,
                     .policy = score.invalid,

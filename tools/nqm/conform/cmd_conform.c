@@ -105,7 +105,7 @@ static json_t *json_facts(const nqm_conform_report *r, size_t n_directions) {
 /* ---- the sets ---------------------------------------------------------------------------------------------------- */
 
 static void print_text(const conform_result *r, const row_summary *s) {
-    char verdict[NQM_VERDICT_TEXT], words[NQM_LABEL_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     const score_run *run = &r->run;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
            shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit.n_directions, "[95 %]          ", "verdict",
@@ -118,7 +118,7 @@ static void print_text(const conform_result *r, const row_summary *s) {
             printf("  %-4s", gate_mark(&run->gate, &row->result));
         printf("  %s\n", row->name);
         if (row->err.status == NQM_OK && !isnan(row->result.parts.structure))
-            print_phrases(nqm_label_describe(&row->result.parts, words));
+            print_phrases(nqm_label_get_info(&row->result.parts).words);
         print_phrases(row->pair.ref);
     }
     if (s->summary.n_shown < run->n_rows)

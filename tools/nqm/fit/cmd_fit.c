@@ -43,22 +43,14 @@ typedef struct fitted {
 
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 
-/* Name i of all models: those of nqm_fit_model(), then the shading models. */
-static const char *model_name(size_t i) {
-    size_t n = 0;
-    while (nqm_fit_model(n))
-        ++n;
-    return i < n ? nqm_fit_model(i) : nqm_fit_shading(i - n);
-}
-
 static _Noreturn void stop_unknown(const char *name, size_t n_name) {
     char names[600] = "", wrong[41];
     size_t used = 0;
     snprintf(wrong, sizeof wrong, "%.*s", n_name < 40 ? (int)n_name : 40, name);
     nqm_nearest nearest = nqm_nearest_begin(wrong);
-    for (size_t i = 0; model_name(i) && used < sizeof names; ++i) {
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", model_name(i));
-        nqm_nearest_add(&nearest, model_name(i));
+    for (size_t i = 0; nqm_fit_model(i) && used < sizeof names; ++i) {
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", nqm_fit_model(i));
+        nqm_nearest_add(&nearest, nqm_fit_model(i));
     }
     stop(EXIT_USAGE, "cannot fit a model '%s'%s; there are all, encodings, shading, %s", wrong, nearest.advice, names);
 }
@@ -76,17 +68,17 @@ static void add_word(const char *text, size_t n, fit_request *request) {
     const bool all = n == 3 && strncmp(text, "all", n) == 0, encodings = n == 9 && strncmp(text, "encodings", n) == 0;
     const bool shading = n == 7 && strncmp(text, "shading", n) == 0;
     size_t i = 0;
-    for (size_t k = 0; (all || (encodings && k < NQM_FIT_N_ENCODINGS)) && nqm_fit_model(k); ++k)
+    const size_t end = encodings ? NQM_FIT_N_ENCODINGS : all ? NQM_FIT_FIRST_SHADING : SIZE_MAX;
+    for (size_t k = shading ? NQM_FIT_FIRST_SHADING : 0; (all || encodings || shading) && k < end && nqm_fit_model(k);
+         ++k)
         add_model(request, nqm_fit_model(k));
-    for (size_t k = 0; shading && nqm_fit_shading(k); ++k)
-        add_model(request, nqm_fit_shading(k));
     if (all || encodings || shading)
         return;
-    while (model_name(i) && !(strncmp(model_name(i), text, n) == 0 && model_name(i)[n] == 0))
+    while (nqm_fit_model(i) && !(strncmp(nqm_fit_model(i), text, n) == 0 && nqm_fit_model(i)[n] == 0))
         ++i;
-    if (!model_name(i))
+    if (!nqm_fit_model(i))
         stop_unknown(text, n);
-    add_model(request, model_name(i));
+    add_model(request, nqm_fit_model(i));
 }
 
 /* Names, "all", "encodings" and "shading", separated by commas. "all" is without shading models, whose fits take longer. */
@@ -129,7 +121,7 @@ static void choose_bounds(const char *text, fit_request *request) {
 /* The metrics of `test` against `ref`, at the directions where `ref` has values. */
 static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_directions *directions, double *metrics,
                           nqm_error *err) {
-    size_t n = nqm_directions_count(directions);
+    size_t n = nqm_directions_get_info(directions).n;
     float *rgb;
     uint8_t *used;
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&rgb, n, 6 * sizeof(float)}, {&used, n, 1}), err);
@@ -179,7 +171,7 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
         *err = (nqm_error){.status = NQM_ERR_LIMIT, .message = "the path of the output is too long"};
         return err->status;
     }
-    return nqm_brdf_save(brdf, output_path(f->path), err);
+    return nqm_brdf_write(brdf, NQM_FILE_SAFETENSORS, NULL, output_path(f->path), NULL, NULL, err);
 }
 
 /* Arguments of all fits. */
@@ -218,9 +210,9 @@ static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options
         status = write_result(brdf, terms->out, f, err);
     nqm_brdf_free(brdf);
     if (status == NQM_OK && is_spec && terms->with_before) {
-        nqm_fit_report before;
-        status = nqm_fit(terms->ref, f->model, options, &before, NULL, err);
-        memcpy(f->before, before.spec, sizeof f->before);
+        nqm_match_report before;
+        status = nqm_match(terms->ref, f->model, NULL, options, &before, NULL, err);
+        memcpy(f->before, before.fit.spec, sizeof f->before);
     }
     return status;
 }
@@ -272,7 +264,7 @@ static json_t *to_json(const fitted *f, const char *loss) {
     const nqm_fit_report *fit = &f->match.fit;
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(f->metrics[m]));
+        json_object_set_new(metrics, nqm_metric_get_info((nqm_metric)m).name, json_number(f->metrics[m]));
     const char *argument = fitted_argument(f);
     return json_row("spec:s model:s loss_name:s loss:f numbers:z directions:z seconds:f metrics:o jod:f jod_low:f "
                     "jod_high:f delta_e_itp:f selected:o note:o",
@@ -324,7 +316,7 @@ static void print_verbose(const fitted *f, const char *loss) {
         printf(" [%.2f, %.2f]", f->score.jod_low, f->score.jod_high);
     putchar('\n');
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        printf("  %-10s %.5g\n", nqm_metric_name((nqm_metric)m), f->metrics[m]);
+        printf("  %-10s %.5g\n", nqm_metric_get_info((nqm_metric)m).name, f->metrics[m]);
 }
 
 /* Best JOD first, those without one last, otherwise in the order of the models. */
@@ -489,7 +481,7 @@ static int fit_folder(const char *folder, const fit_request *request, fit_terms 
         const nqm_library_member *m = &of->members[i];
         nqm_brdf *ref = NULL;
         nqm_error err = {0};
-        const nqm_status status = explain_texture(m->argument, nqm_brdf_open(m->argument, &ref, &err), &err);
+        const nqm_status status = nqm_brdf_open(m->argument, &ref, &err);
         const int code =
             status == NQM_OK ? fit_reference(ref, m->argument, m->key, request, terms) : exit_code_of(status);
         if (status != NQM_OK)

@@ -21,10 +21,11 @@ enum { MAX_TEXT = 4096 };
 
 /* A material to translate, and its translation. */
 typedef struct item {
-    char argument[MAX_TEXT]; /* of nqm_brdf_open() */
-    char path[MAX_TEXT];     /* of the file to write; "": none */
-    char written[MAX_TEXT];  /* what is scored: the path, or "FILE:NAME"; "": the spec */
-    nqm_error err;           /* status NQM_OK: translated */
+    nqm_argument *source;
+    const char *argument;   /* its text */
+    char path[MAX_TEXT];    /* of the file to write; "": none */
+    char written[MAX_TEXT]; /* what is scored: the path, or "FILE:NAME"; "": the spec */
+    nqm_error err;          /* status NQM_OK: translated */
     nqm_translation result;
     nqm_score_result score, transport;
     bool is_textured;
@@ -46,17 +47,13 @@ typedef struct translation {
 
 static void add_item(translation *t, const char *file, const char *material) {
     t->items = must_have(nqm_grow(t->items, &t->max_n, t->n + 1, sizeof *t->items));
-    item *it = &t->items[t->n++];
-    *it = (item){.is_textured = false};
-    const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
-                              : snprintf(it->argument, MAX_TEXT, "%s", file);
-    const char *taken = used < 0 || used >= MAX_TEXT ? NULL : reflecting(it->argument);
-    if (!taken || strlen(taken) >= MAX_TEXT)
-        stop(EXIT_USAGE, "%.80s...: the argument is too long", file);
-    if (taken != it->argument) {
-        strcpy(it->argument, taken);
-        free((void *)(uintptr_t)taken);
-    }
+    char *given = join_with_colon(file, material);
+    const char *taken = reflecting(given);
+    nqm_argument *source = parse_argument(taken);
+    t->items[t->n++] = (item){.source = source, .argument = source->text};
+    if (taken != given)
+        nqm_free((void *)(uintptr_t)taken);
+    free(given);
 }
 
 /* A file with several materials, and a folder of files, become an item for each material. */
@@ -65,15 +62,17 @@ static void add_argument(translation *t, const char *argument) {
     if (is_library(argument)) {
         nqm_library *of = open_library(1, &argument, NULL, NULL);
         for (size_t i = 0; i < of->n; ++i)
-            add_item(t, of->members[i].argument, NULL);
+            add_item(t, of->members[i].argument, "");
         nqm_library_free(of);
         return;
     }
-    const nqm_materials *materials = read_library(argument);
+    nqm_argument *a = parse_argument(argument);
+    const nqm_materials *materials = nqm_argument_library(a);
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i)
         add_item(t, argument, nqm_materials_get(materials, i).name);
     if (!materials)
-        add_item(t, argument, NULL);
+        add_item(t, argument, "");
+    nqm_argument_free(a);
 }
 
 /* Part of an argument that names it: "gold" of "metals/gold.mtlx", "paints_red" of "paints.mtlx:red". */
@@ -88,6 +87,14 @@ static void short_stem(const char *argument, char *stem, size_t n_stem) {
     for (char *c = stem; *c; ++c)
         if (strchr("/:;=,() ", *c))
             *c = '_';
+}
+
+/* No output of this run replaces it. */
+static void keep_file(void *user, const char *path) {
+    struct stat st;
+    (void)user;
+    if (stat(path, &st) == 0)
+        (void)!nqm_role_input(&st, path, NULL);
 }
 
 static void name_outputs(translation *t) {
@@ -113,9 +120,9 @@ static void name_outputs(translation *t) {
         make_folder(t->folder);
     for (size_t i = 0; i < t->n; ++i) { /* all are known as inputs before an output replaces what a later item reads */
         nqm_brdf *brdf = NULL;
-        if (nqm_brdf_open(t->items[i].argument, &brdf, NULL) == NQM_OK)
+        if (nqm_argument_open(t->items[i].source, &brdf, NULL) == NQM_OK)
             nqm_brdf_free(brdf);
-        keep_maps(t->items[i].argument);
+        nqm_argument_visit_files(t->items[i].source, keep_file, NULL);
     }
     for (size_t i = 0; i < (t->path ? 1 : t->n); ++i)
         if (t->items[i].path[0])
@@ -235,7 +242,7 @@ static void write_page(const translation *t, const char *metric, output_file *ou
 
 static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL;
-    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
+    nqm_status status = nqm_argument_open(it->source, &ref, err);
     if (status != NQM_OK)
         return status;
     report_remark(ref);
@@ -246,7 +253,7 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
 
 /* The name in a file of its own: "paints_red"; in one of all materials: "red". */
 static void name_in_file(const translation *t, const item *it, char *name, size_t n_name) {
-    const char *material = member_name(it->argument);
+    const char *material = it->source->member;
     if (t->n > 1 && t->path && material)
         snprintf(name, n_name, "%s", material);
     else
@@ -264,7 +271,7 @@ static nqm_status translate_maps(const translation *t, item *it, nqm_error *err)
                         "a material with image maps is written as glTF with PNG files beside it only: "
                         "--to gltf, with -o FILE.gltf or -d FOLDER");
     name_in_file(t, it, name, sizeof name);
-    nqm_status status = open_texture(it->argument, &ref, err);
+    nqm_status status = open_texture(it->source, &ref, err);
     if (status == NQM_OK)
         status = nqm_translate_texture(ref, it->path, name, &t->loss, &t->fit, &it->result, err);
     nqm_texture_free(ref);
@@ -279,7 +286,7 @@ static nqm_status translate_maps(const translation *t, item *it, nqm_error *err)
 /* What was written, or the spec. */
 static nqm_status score_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
-    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
+    nqm_status status = nqm_argument_open(it->source, &ref, err);
     if (status == NQM_OK)
         status = nqm_brdf_open(it->written[0] ? it->written : it->result.match.fit.spec, &brdf, err);
     const nqm_brdf *test = brdf;
@@ -352,7 +359,7 @@ static void translate_all(translation *t, bool with_rows) {
         item *it = &t->items[i];
         nqm_error err = {0};
         note_progress("%s (%zu of %zu)", shown(it->argument), i + 1, t->n);
-        it->is_textured = is_textured(it->argument);
+        it->is_textured = nqm_argument_is_textured(it->source);
         const double begin = nqm_clock_s();
         nqm_status status = it->is_textured ? translate_maps(t, it, &err) : fit_item(t, it, &err);
         it->seconds = nqm_clock_s() - begin;
@@ -471,6 +478,8 @@ int cmd_translate(int argc, char **argv) {
     nqm_model_free(metric_model);
     nqm_model_free(transport_model);
     nqm_scene_free(judge);
+    for (size_t i = 0; i < t.n; ++i)
+        nqm_argument_free(t.items[i].source);
     nqm_free(t.items);
     return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;
 }

@@ -232,9 +232,9 @@ enum { PARTS = 6 };
 static const char *const part_names[PARTS] = {"shift_i", "shift_t", "shift_p", "contrast", "structure", "adapted_jod"};
 
 static void write_parts(FILE *out, const nqm_label *l) {
-    print_csv_numbers(
-        out, PARTS,
-        (double[]){l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_adapted_jod(l)});
+    print_csv_numbers(out, PARTS,
+                      (double[]){l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure,
+                                 nqm_label_get_info(l).adapted_jod});
 }
 
 /* Columns of the parts of a label. prefix: of their names. */

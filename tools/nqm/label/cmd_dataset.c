@@ -22,7 +22,7 @@ static void print_failures(const json_t *manifest) {
 
 static void print_summary(const char *path, bool json) {
     nqm_dataset *dataset;
-    must(nqm_dataset_load(path, &dataset, &fault));
+    must(nqm_dataset_load(path, NULL, NQM_SPLIT_ALL, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *manifest = parse_json(info.manifest);
     end_progress();

@@ -16,7 +16,10 @@
 static void open_textures(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i];
-        const nqm_status status = open_textured(item->name, &item->texture, &item->err);
+        item->argument = parse_argument(item->name);
+        if (!nqm_argument_is_textured(item->argument))
+            continue;
+        const nqm_status status = open_texture(item->argument, &item->texture, &item->err);
         if (status != NQM_OK && (item->reference == i || status == NQM_ERR_CANCELLED))
             stop_error(&item->err);
     }
@@ -53,11 +56,11 @@ static nqm_status render_item(const label_run *run, label_item *item) {
     item->jod = item->valid = nan;
     if (item->err.status != NQM_OK)
         return item->err.status;
-    item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    item->rgb_cdm2 = allocate(9 * nqm_scene_get_info(run->scene).n_points, sizeof *item->rgb_cdm2);
     const nqm_texture_view view = view_of_group(run, item->reference);
     if (item->texture)
         return nqm_scene_render_texture(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
-    return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->made, &item->err);
+    return render_brdf(run->scene, item->argument, true, item->rgb_cdm2, &item->made, &item->err);
 }
 
 static nqm_scene_picture picture_of(const label_item *item) {
@@ -75,7 +78,7 @@ static nqm_status label_item_at(label_run *run, size_t i) {
         status = nqm_scene_label(run->scene, &seen, &test, &item->label, NULL, &item->valid, &item->err);
     if (status == NQM_OK) {
         const nqm_curve curve = nqm_curve_default();
-        item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2).error;
+        item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2, NULL).error;
         item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
     if (!run->keep_rgb)
@@ -102,7 +105,7 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i], *reference = &run->items[item->reference];
         const nqm_label *l = &item->label;
-        double excess = fmax(l->error / (0.01 * fmax(l->delta_e, 1)), nqm_label_jod_error(l) / 0.01);
+        double excess = fmax(l->error / (0.01 * fmax(l->delta_e, 1)), nqm_label_get_info(l).jod_error / 0.01);
         if (item == reference || item->err.status != NQM_OK || !(excess > 1))
             continue;
         item->is_done = reference->is_done = false;
@@ -156,7 +159,7 @@ void make_labels(label_run *run) {
 }
 
 void map_labels(label_run *run) {
-    const size_t n_points = nqm_scene_count(run->scene);
+    const size_t n_points = nqm_scene_get_info(run->scene).n_points;
     const double **maps = allocate(run->n_items, sizeof *maps);
     size_t n_maps = 0;
     run->delta_e = allocate(run->n_items * n_points, sizeof *run->delta_e);
@@ -177,6 +180,7 @@ void free_labels(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         forget_picture(&run->items[i]);
         nqm_texture_free(run->items[i].texture);
+        nqm_argument_free(run->items[i].argument);
     }
     free(run->items);
     free(run->delta_e);
@@ -191,8 +195,8 @@ static bool is_reference(const label_run *run, size_t i) {
 
 /* Mean luminance of the picture of a reference, cd/m2 (weights of BT.709). */
 static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
-    size_t n = nqm_scene_count(run->scene);
-    const double *weight = nqm_scene_weights(run->scene);
+    size_t n = nqm_scene_get_info(run->scene).n_points;
+    const double *weight = nqm_scene_get_info(run->scene).weights;
     double sum = 0;
     for (size_t i = 0; i < n; ++i)
         sum += (weight ? weight[i] : 1 / (double)n) *
@@ -212,7 +216,7 @@ static json_t *item_json(const label_run *run, const label_item *item) {
     return json_row("test:s name:s delta_e_itp:f jod:f delta_e_error:f jod_error:f parts:o reference_luminance_cdm2:f "
                     "valid:f tabulated:{reference:b test:b} reference:o error:o",
                     item->name, item->shown, item->label.delta_e, item->jod, item->label.error,
-                    nqm_label_jod_error(&item->label), json_label_parts(&item->label, NULL),
+                    nqm_label_get_info(&item->label).jod_error, json_label_parts(&item->label, NULL),
                     mean_luminance(run, reference->rgb_cdm2), item->valid, reference->made.is_tabulated,
                     item->made.is_tabulated, run->n_groups > 1 ? json_name(reference->name) : NULL,
                     item->err.status != NQM_OK ? json_name(item->err.message) : NULL);
@@ -248,17 +252,16 @@ static void print_csv_test(const label_run *run, const label_item *item) {
 }
 
 static void print_text_test(const label_item *item) {
-    char words[NQM_LABEL_TEXT];
+    const nqm_label_info info = nqm_label_get_info(&item->label);
     if (item->err.status != NQM_OK) {
         printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", shown(item->shown));
         return;
     }
-    printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_adapted_jod(&item->label),
+    printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, info.adapted_jod,
            item->label.delta_e > 0 ? nqm_verdict_words(item->jod) : "equal pictures", shown(item->shown));
-    print_phrases(nqm_label_describe(&item->label, words));
-    if (nqm_label_jod_error(&item->label) > 0.02)
-        printf("%16s (standard error %.2f JOD; --points and --lights add samples)\n", "",
-               nqm_label_jod_error(&item->label));
+    print_phrases(info.words);
+    if (info.jod_error > 0.02)
+        printf("%16s (standard error %.2f JOD; --points and --lights add samples)\n", "", info.jod_error);
     if (item->valid < 1)
         printf("%16s (no value for %.3g %% of the light, which counts in neither picture)\n", "",
                100 * (1 - item->valid));
@@ -299,7 +302,7 @@ double *item_map(const label_run *run, size_t i, const canvas *c) {
     if (run->items[i].err.status != NQM_OK || is_reference(run, i))
         return NULL;
     double *map = allocate(c->width * c->height, sizeof *map);
-    draw_map(run->scene, c, run->delta_e + i * nqm_scene_count(run->scene), map);
+    draw_map(run->scene, c, run->delta_e + i * nqm_scene_get_info(run->scene).n_points, map);
     return map;
 }
 

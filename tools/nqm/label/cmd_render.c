@@ -51,7 +51,7 @@ static void frame_path(const render_run *run, size_t frame, char *path, size_t n
 /* Mean and maximum of luminance over the pixels of the shape. */
 static json_t *json_light(const render_run *run) {
     double sum = 0, most = 0;
-    size_t n = nqm_scene_count(run->made);
+    size_t n = nqm_scene_get_info(run->made).n_points;
     for (size_t i = 0; i < n; ++i) {
         const double *rgb = run->rgb_cdm2 + 3 * i;
         double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -76,13 +76,16 @@ static void write_frames(const render_run *run, json_t *files) {
 }
 
 static void run_render(render_run *run) {
-    nqm_texture *texture;
-    must(open_textured(run->brdf, &texture, &fault));
+    nqm_texture *texture = NULL;
+    nqm_argument *argument = parse_argument(run->brdf);
+    if (nqm_argument_is_textured(argument))
+        must(open_texture(argument, &texture, &fault));
     must(nqm_scene_create(&run->scene, &run->made, &fault));
-    run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
+    run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_get_info(run->made).n_points, sizeof *run->rgb_cdm2);
     must(texture ? nqm_scene_render_texture(run->made, texture, &run->view, run->rgb_cdm2, &fault)
-                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->made_of, &fault));
+                 : render_brdf(run->made, argument, false, run->rgb_cdm2, &run->made_of, &fault));
     nqm_texture_free(texture);
+    nqm_argument_free(argument);
     nqm_brdf_free(run->made_of.brdf);
     if (run->made_of.valid < 1)
         report(EXIT_OK, "%s has no value for directions of %.3g %% of the light, which is missing in the picture",

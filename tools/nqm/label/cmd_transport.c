@@ -59,7 +59,7 @@ int cmd_transport(int argc, char **argv) {
         print_document(written_model(path, model));
     else
         report(EXIT_OK, "%s: %zu directions, %zu points", path,
-               nqm_directions_count(nqm_model_get_info(model).directions), n_points);
+               nqm_directions_get_info(nqm_model_get_info(model).directions).n, n_points);
     nqm_model_free(model);
     return EXIT_OK;
 }

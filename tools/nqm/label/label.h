@@ -10,13 +10,14 @@
 
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
-    const char *name;     /* the argument */
-    const char *shown;    /* name in results: the argument, or the NAME of NAME=BRDF */
-    nqm_texture *texture; /* of a textured material; NULL: a BRDF */
-    size_t reference;     /* index of the group's reference (of itself for a reference) */
-    nqm_label label;      /* NaN for references and for tests that could not be rendered */
-    double jod;           /* JOD of the label; NaN as there */
-    double points_error;  /* the part of label.error that the choice of points makes */
+    const char *name;       /* the argument */
+    nqm_argument *argument; /* NULL: not parsed yet */
+    const char *shown;      /* name in results: the argument, or the NAME of NAME=BRDF */
+    nqm_texture *texture;   /* of a textured material; NULL: a BRDF */
+    size_t reference;       /* index of the group's reference (of itself for a reference) */
+    nqm_label label;        /* NaN for references and for tests that could not be rendered */
+    double jod;             /* JOD of the label; NaN as there */
+    double points_error;    /* the part of label.error that the choice of points makes */
     nqm_error err;
     bool is_done;     /* the label needs no more samples */
     rendered made;    /* of a BRDF; of a test, freed after it has been compared, unless keep_rgb */

@@ -136,9 +136,9 @@ static double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop k
 }
 
 double *draw_picture(const nqm_scene *scene, const canvas *c, backdrop kind, const double *rgb_cdm2) {
-    const size_t *pixel = nqm_scene_pixels(scene);
+    const size_t *pixel = nqm_scene_get_info(scene).pixels;
     double *picture = make_backdrop(scene, c, kind);
-    for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
+    for (size_t i = 0; i < nqm_scene_get_info(scene).n_points; ++i) {
         const size_t place = place_of(c, pixel[i]);
         if (place != SIZE_MAX)
             memcpy(picture + 3 * place, rgb_cdm2 + 3 * i, 3 * sizeof *picture);
@@ -147,20 +147,20 @@ double *draw_picture(const nqm_scene *scene, const canvas *c, backdrop kind, con
 }
 
 void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map) {
-    const size_t *pixel = nqm_scene_pixels(scene);
+    const size_t *pixel = nqm_scene_get_info(scene).pixels;
     for (size_t i = 0; i < c->width * c->height; ++i)
         map[i] = (double)NAN;
-    for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
+    for (size_t i = 0; i < nqm_scene_get_info(scene).n_points; ++i) {
         const size_t place = place_of(c, pixel[i]);
         if (place != SIZE_MAX)
             map[place] = values[i];
     }
 }
 
-nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, rendered *r,
+nqm_status render_brdf(const nqm_scene *scene, nqm_argument *argument, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err) {
     static bool is_said;
-    nqm_status status = nqm_brdf_open(name, &r->brdf, err);
+    nqm_status status = nqm_argument_open(argument, &r->brdf, err);
     r->valid = 1;
     r->is_tabulated = status == NQM_OK && nqm_scene_tabulates(scene, r->brdf);
     if (r->is_tabulated && !is_said)

@@ -6,6 +6,7 @@
 #ifndef NQM_TOOL_SCENE_H
 #define NQM_TOOL_SCENE_H
 
+#include "argument/argument.h"
 #include "figures/picture.h"
 #include "nqm/tool.h"
 #include "render/render.h"
@@ -56,7 +57,7 @@ typedef struct rendered {
     bool is_tabulated; /* the picture was made from a table of its values, which is said once on standard error */
 } rendered;
 /** Open a BRDF and render it: rgb_cdm2 (points, 3), or (3, points, 3) with the halves of nqm_scene_render_halves(). */
-nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, rendered *r,
+nqm_status render_brdf(const nqm_scene *scene, nqm_argument *argument, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err);
 /** A tone curve whose white is twice the exposure. */
 nqm_tone tone_of(const nqm_scene_options *o);

@@ -64,7 +64,6 @@ static void write_map(const char *path) {
 
 static void print_text(const nqm_library *of) {
     const bool is_calibrated = *nqm_model_get_info(run.model).calibration;
-    char words[NQM_LABEL_TEXT];
     printf("%zu materials, of which %zu are replaced and %zu remain (JOD %g, model %s)\n", of->n, run.n_rows,
            of->n - run.n_rows, jod, shown(nqm_model_get_info(run.model).id));
     for (size_t i = 0; i < run.n_rows; ++i) {
@@ -74,7 +73,7 @@ static void print_text(const nqm_library *of) {
         print_jod(row, is_calibrated);
         printf("  %s\n", shown(row->pair.ref));
         if (!row->result.identical && !isnan(row->result.parts.structure))
-            print_phrases(nqm_label_describe(&row->result.parts, words));
+            print_phrases(nqm_label_get_info(&row->result.parts).words);
     }
 }
 

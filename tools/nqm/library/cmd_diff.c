@@ -105,11 +105,12 @@ static json_t *json_changes(const nqm_library_pair *pair) {
 /* What changed of a row: words of its look, properties, the old name. free() it. */
 static char *describe_row(size_t i) {
     const scored_pair *row = &run.rows[i];
-    char words[NQM_LABEL_TEXT] = "", *text;
+    const nqm_label_info info = nqm_label_get_info(&row->result.parts);
+    const bool differs = row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure);
+    const char *words = differs ? info.words : "";
+    char *text;
     size_t n;
     FILE *to = open_text(&text, &n);
-    if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
-        nqm_label_describe(&row->result.parts, words);
     fputs(words, to);
     for (size_t k = 0; k < pairs[i].n_changes; ++k) {
         const nqm_library_change *change = &pairs[i].changes[k];

@@ -5,6 +5,7 @@
  */
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
+#include "nqm/textured.h"
 
 static score_run run;
 static const char *model = "default", *among, *index_path;
@@ -36,11 +37,20 @@ static const command cmd = {
     .max_arguments = -1,
 };
 
+/* Before the library is read, which may take long. */
+static void check_brdf(const char *argument) {
+    nqm_brdf *brdf = NULL;
+    refuse_model_name(argument);
+    if (!is_textured(argument))
+        must(nqm_brdf_open(argument, &brdf, &fault));
+    nqm_brdf_free(brdf);
+}
+
 int cmd_nearest(int argc, char **argv) {
     run.options = plain_score_options();
     const int n = parse_arguments(&cmd, argc, argv);
     const char *to = argv[0];
-    refuse_model_name(to);
+    check_brdf(to);
     run.model = open_model(model);
     argv[0] = (char *)(uintptr_t)among;
     nqm_library *of = open_library((size_t)n, (const char *const *)argv, &run, index_path);

@@ -2,6 +2,7 @@
  *
  * nqm doctor - checks that this installation works on this machine, and says what to do where it does not.
  */
+#include "kernel/kernel.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
@@ -75,7 +76,8 @@ static void check_processor(examination *e) {
     const int threads = omp_get_max_threads(), cores = omp_get_num_procs();
     read_processor(cpu);
     add(e, "processor", STATE_OK, NULL, "%s", cpu);
-    const char *selected = nqm_kernels_selected(), *best = nqm_kernels_name(0);
+    const char *given = getenv("NQM_KERNELS"), *best = nqm_kernels_name(0);
+    const char *selected = given && *given ? given : best;
     if (strcmp(selected, best) == 0)
         add(e, "kernels", STATE_OK, NULL, "%s", selected);
     else
@@ -110,14 +112,14 @@ static void check_selftest(examination *e) {
 }
 
 static void check_models(examination *e) {
-    if (nqm_model_builtin_count() == 0)
+    if (!nqm_model_builtin_name(0))
         add(e, "models", STATE_PROBLEM, "build with the files of models/, or give --model FILE to every verb",
             "none is built in");
-    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+    for (size_t i = 0; nqm_model_builtin_name(i); ++i) {
         const char *name = nqm_model_builtin_name(i);
         nqm_model *model;
         nqm_error err = {0};
-        if (nqm_model_builtin(name, &model, &err) != NQM_OK) {
+        if (nqm_model_load(name, &model, &err) != NQM_OK) {
             add(e, "model", STATE_PROBLEM, "install nqm again: this program is damaged", "%s", err.message);
             continue;
         }

@@ -4,12 +4,10 @@
  * results of a pair do not depend on the other pairs of a call, so that they do not depend on the process either. A file holds
  * results as they are in memory; the rows of the output are printed from them, so that they are those of a run without pieces.
  */
+#include "argument/argument.h"
 #include "base/shared_work.h"
-#include "brdf/brdf.h"
 #include "io/io.h"
-#include "material/maps.h"
 #include "nqm/score/batch.h"
-#include <nqm/material.h>
 
 #include <dirent.h>
 #include <errno.h>
@@ -56,76 +54,14 @@ static void identify_all(json_t *files) {
         json_object_set_new(files, path, identify(path)); /* of a key that is there: allowed meanwhile */
 }
 
-/* The latents in the folder of a decoder of neural processes. */
-static void add_latents(json_t *files, const char *path) {
-    const char *slash = strrchr(path, '/');
-    const int n_folder = slash ? (int)(slash - path) + 1 : 0;
-    char latents[4096];
-    if (snprintf(latents, sizeof latents, "%.*snps_latents.csv", n_folder, path) < (int)sizeof latents &&
-        is_file(latents))
-        json_object_set_new(files, latents, json_null());
+static void add_file(void *files, const char *path) {
+    json_object_set_new(files, path, json_null()); /* not UTF-8: no key, and not noticed */
 }
 
-/* The measured files and images that the materials of a file name. */
-static void add_measured(json_t *files, const char *path) {
-    const nqm_materials *materials =
-        parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
-    for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
-        const nqm_material_info info = nqm_materials_get(materials, i);
-        const nqm_textured *maps = nqm_materials_maps(materials, i, ~0U);
-        for (size_t k = 0; maps && k < maps->n_images; ++k)
-            if (maps->images[k].path)
-                json_object_set_new(files, maps->images[k].path, json_null());
-        if (!info.spec || nqm_spec_probe(info.spec))
-            continue;
-        char *measured = must_have(nqm_path_beside(path, info.spec));
-        json_object_set_new(files, measured, json_null());
-        nqm_free(measured);
-    }
-}
-
-/* The file of an argument: all of it, or what is before the last colon. */
-static void add_path(json_t *files, const char *argument, size_t n) {
-    char path[4096];
-    unsigned ignored;
-    const size_t n_prefix = nqm_ignore_prefix(argument, &ignored);
-    argument += n_prefix;
-    n -= nqm_smaller(n, n_prefix);
-    if (n == 0 || n >= sizeof path)
-        return;
-    memcpy(path, argument, n);
-    path[n] = '\0';
-    const char *colon = nqm_member_colon(path);
-    if (colon)
-        path[colon - path] = '\0';
-    if (!is_file(path))
-        return;
-    if (!json_object_get(files, path)) {
-        json_object_set_new(files, path, json_null()); /* not UTF-8: no key, and not noticed */
-        add_measured(files, path);
-    }
-    if (colon)
-        add_latents(files, path);
-}
-
-/* A spec may name files as values of its keys: "of=FILE", "with=(FILE)". */
 static void add_argument(json_t *files, const char *argument) {
-    if (!nqm_spec_probe(argument)) {
-        add_path(files, argument, strlen(argument));
-        return;
-    }
-    while (*argument) {
-        const size_t n = strcspn(argument, ";");
-        const char *value = memchr(argument, '=', n), *end = argument + n;
-        if (value) {
-            value += 1 + strspn(value + 1, "(");
-            while (end > value && end[-1] == ')')
-                --end;
-            if (!nqm_spec_probe(value))
-                add_path(files, value, (size_t)(end - value));
-        }
-        argument += n + (argument[n] == ';');
-    }
+    nqm_argument *a = parse_argument(argument);
+    nqm_argument_visit_files(a, add_file, files);
+    nqm_argument_free(a);
 }
 
 /* An object with the path of each file that the pairs name, and its identity. Relative paths begin in the working folder. */

@@ -24,7 +24,9 @@ static int by_quality(const void *a, const void *b) {
         return x->group < y->group ? -1 : 1;
     if (has_score(x) != has_score(y))
         return has_score(x) ? -1 : 1;
-    if (has_score(x) && x->quality != y->quality)
+    if (has_score(x) && isnan(x->quality) != isnan(y->quality))
+        return isnan(x->quality) ? 1 : -1;
+    if (has_score(x) && !isnan(x->quality) && x->quality != y->quality)
         return x->quality > y->quality ? -1 : 1;
     return x->order < y->order ? -1 : 1;
 }

@@ -10,7 +10,7 @@
 #include <string.h>
 
 static int metric_width(int m) {
-    int n = (int)strlen(nqm_metric_name((nqm_metric)m));
+    int n = (int)strlen(nqm_metric_get_info((nqm_metric)m).name);
     return n > 9 ? n : 9;
 }
 
@@ -34,10 +34,10 @@ static void print_row(const score_run *run, const scored_pair *row, bool calibra
         printf("  %-4s", gate_mark(&run->gate, r));
     printf("  %s\n", shown(row->name));
     if (scored && !isnan(r->parts.structure)) {
-        char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
+        char phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
         if (!isnan(r->similarity[0]))
             snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
-        snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_describe(&r->parts, words), apart,
+        snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_get_info(&r->parts).words, apart,
                  r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_grain(row, grain) : "");
         print_phrases(phrases);
     }
@@ -62,7 +62,7 @@ static void print_text(const score_run *run) {
            calibrated ? "  [95 %]        " : "", "prefer ref", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
-            printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
+            printf("  %*s", metric_width(m), nqm_metric_get_info((nqm_metric)m).name);
     puts(has_gate(&run->gate) ? "  gate  test" : "  test");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
@@ -125,7 +125,7 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     const bool is_grid = strcmp(info.format, "grid") == 0;
     if (!is_grid && strcmp(info.format, "samples") != 0)
         stop(EXIT_USAGE, "--samples: %s is no CSV of directions and values (its format is %s)", path, info.format);
-    const size_t n = nqm_directions_count(directions);
+    const size_t n = nqm_directions_get_info(directions).n;
     float *rgb = allocate(3 * n, sizeof *rgb);
     uint8_t *flag = allocate(n, 1);
     must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &fault));
@@ -147,7 +147,7 @@ static void check_reference(const score_run *run, const char *path) {
 
 static void check_samples(const score_run *run, const char *model, int n, char **paths) {
     const nqm_directions *directions = nqm_model_get_info(run->model).directions;
-    const double n_most = (1 - run->options.min_valid_fraction) * (double)nqm_directions_count(directions);
+    const double n_most = (1 - run->options.min_valid_fraction) * (double)nqm_directions_get_info(directions).n;
     bool is_short = false;
     for (int i = 0; i < n; ++i)
         is_short = (double)describe_samples(directions, paths[i]) > n_most || is_short;

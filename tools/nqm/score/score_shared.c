@@ -3,8 +3,8 @@
  * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
  * CSV and JSON.
  */
+#include "argument/argument.h"
 #include "base/names.h"
-#include "brdf/brdf.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 
@@ -17,8 +17,8 @@
 nqm_pairs *expand_pairs(const nqm_pairs *pairs) {
     nqm_pairs *expanded;
     must(nqm_pairs_expand(pairs, ignored_words, &expanded, &fault));
-    for (const char *text = expanded->left_out; *text; text += strlen(text) + 1)
-        report(EXIT_OK, "%s", text);
+    for (const char *const *text = expanded->left_out; *text; ++text)
+        report(EXIT_OK, "%s", *text);
     return expanded;
 }
 
@@ -134,9 +134,9 @@ static _Noreturn void stop_unknown_metric(const char *given, const char *word) {
     snprintf(wrong, sizeof wrong, "%.*s", (int)strcspn(word, ","), word);
     nqm_nearest nearest = nqm_nearest_begin(wrong);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
-        nqm_nearest_add(&nearest, nqm_metric_name((nqm_metric)m));
+        nqm_nearest_add(&nearest, nqm_metric_get_info((nqm_metric)m).name);
         size_t n = strlen(names);
-        snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
+        snprintf(names + n, sizeof names - n, ", %s", nqm_metric_get_info((nqm_metric)m).name);
     }
     if (is_builtin(wrong))
         stop(EXIT_USAGE, "--metrics is a list with commas of all%s; '%s' is a model, which belongs to --model", names,
@@ -151,7 +151,7 @@ void choose_metrics(const char *text, bool *chosen) {
         const bool is_all = n == 3 && memcmp(word, "all", n) == 0;
         bool is_known = false;
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
-            const char *name = nqm_metric_name((nqm_metric)m);
+            const char *name = nqm_metric_get_info((nqm_metric)m).name;
             const bool is_named = is_all || (strlen(name) == n && memcmp(name, word, n) == 0);
             chosen[m] |= is_named;
             is_known |= is_named;
@@ -245,7 +245,8 @@ char *score_columns(const char *first, const nqm_model *model, const bool *metri
         fputs(PART_COLUMNS ",similarity_jod=parts.similarity_jod,words=parts.words", out);
     for (int m = 0; metrics && m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
-            fprintf(out, ",%s=metrics.%s", nqm_metric_name((nqm_metric)m), nqm_metric_name((nqm_metric)m));
+            fprintf(out, ",%s=metrics.%s", nqm_metric_get_info((nqm_metric)m).name,
+                    nqm_metric_get_info((nqm_metric)m).name);
     for (size_t i = 0; texture && i < TEXTURE_NUMBERS; ++i)
         fprintf(out, ",%s=%s%s", texture_columns[i], texture, texture_columns[i]);
     fputs(last, out);
@@ -381,7 +382,7 @@ json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const
     json_t *object = json_object(), *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (chosen[m])
-            json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
+            json_object_set_new(metrics, nqm_metric_get_info((nqm_metric)m).name, json_number(r->metrics[m]));
     set_members(object, r, true);
     set_members(object, r, false);
     return json_set(object, "verdict:s metrics:o parts:o gate:o warnings:o error:o", nqm_verdict(r, verdict), metrics,

@@ -120,7 +120,7 @@ static json_t *json_test(const report_page *page, size_t place) {
                     has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL,
                     nqm_verdict_preference(r), result_at(page->json_labels, row->order),
                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : NULL,
-                    nqm_label_adapted_jod(&r->parts));
+                    nqm_label_get_info(&r->parts).adapted_jod);
 }
 
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
@@ -395,7 +395,7 @@ static json_t *json_page(const report_page *page) {
                     hash, script, nqm_version(), json_title(page), rows, n, n > 1 && n <= MAX_COMPARED,
                     *info.calibration != 0, json_guide(), json_materials(page), run->names[0],
                     number_text(end / 2, 3, 'g'), number_text(end, 3, 'g'), info.id, info.sha256, info.recipe,
-                    nqm_directions_id(info.directions), info.n_parameters, nqm_directions_count(info.directions),
+                    nqm_directions_id(info.directions), info.n_parameters, nqm_directions_get_info(info.directions).n,
                     remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
                     json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
                     html_json(json_incref(run->json_scores), 9), html_json(json_incref(page->json_labels), 9),

@@ -4,6 +4,7 @@
  */
 #include "judge/judge.h"
 #include "nqm/tool.h"
+#include "train/train.h"
 
 #include <string.h>
 

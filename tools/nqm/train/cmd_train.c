@@ -134,7 +134,7 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
             "model:{path:s id:s recipe:s sha256:s parameters:z} n_train:z n_validation:z epochs:z epochs_resumed:z "
             "steps:z precision:s train_loss:f validation_loss:f validation_spearman:f calibration:o seconds:f",
             path, info->id, info->recipe, info->sha256, info->n_parameters, r->n_train, r->n_validation, r->epochs,
-            r->epochs_resumed, r->n_steps, nqm_precision_name(a->options.optimiser.precision), r->train_loss,
+            r->epochs_resumed, r->n_steps, nqm_precision_words[a->options.optimiser.precision], r->train_loss,
             r->validation_loss, r->validation_spearman, calibration_json(info->calibration), r->seconds));
         return;
     }
@@ -144,7 +144,7 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
     printf("sha256      %s\n", info->sha256);
     printf("trained on  %zu examples, validated on %zu\n", r->n_train, r->n_validation);
     printf("epochs      %zu (%zu steps), %.1f s, %s", r->epochs, r->n_steps, r->seconds,
-           nqm_precision_name(a->options.optimiser.precision));
+           nqm_precision_words[a->options.optimiser.precision]);
     printf(r->epochs_resumed ? "; %zu of them from the checkpoint\n" : "\n", r->epochs_resumed);
     printf("loss        %.4f, validation %.4f\n", r->train_loss, r->validation_loss);
     if (isfinite(r->validation_spearman))
