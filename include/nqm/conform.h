@@ -15,21 +15,17 @@ extern "C" {
 /** A kit: parameter sets of a shading model, and pairs of directions. Immutable; any thread. */
 typedef struct nqm_conform_kit nqm_conform_kit;
 
-/** Facts about a kit; the text belongs to it. */
+/** Facts about a kit and one of its parameter sets; all belongs to the kit. */
 typedef struct nqm_conform_info {
     const char *model; /**< "gltf" */
     size_t n_sets, n_directions;
     size_t n_columns; /**< values of a set */
     const char *
         columns; /**< their names, "base_color_r,base_color_g,...": _r, _g, _b of colours; _x, _y along tangent and bitangent */
-} nqm_conform_info;
-
-/** A parameter set and the directions at which a shader is evaluated with it; all belongs to the kit. */
-typedef struct nqm_conform_set {
-    const char *spec;     /**< opens the same BRDF at the directions of the metric; NULL: there are fewer sets */
+    const char *spec;     /**< opens the BRDF of the set at the directions of the metric; NULL: there are fewer sets */
     const double *values; /**< (n_columns) */
     const double *light, *viewer; /**< (n_directions, 3) in the tangent frame: z is the normal, x the tangent */
-} nqm_conform_set;
+} nqm_conform_info;
 
 enum { NQM_CONFORM_MISTAKES = 3, NQM_CONFORM_TEXT = 400 };
 
@@ -65,16 +61,6 @@ typedef struct nqm_conform_report {
 /** JOD from which on a set passes. */
 #define NQM_CONFORM_PASS 9.99
 
-/** What nqm_conform_prove() finds. */
-typedef struct nqm_conform_proof {
-    double lowest_jod;  /**< of the model's own values, of inputs in float32 */
-    size_t n_mistakes;  /**< that the model can have */
-    size_t n_first;     /**< of them: found from their values, before all others */
-    size_t n_three;     /**< found among the first three */
-    int passes;         /**< 1: the values pass, 90 % are first, and 98 % among three */
-    char missed[10000]; /**< the texts of those that are not first, a line each */
-} nqm_conform_proof;
-
 /**
  * Make a kit: sweeps of each parameter, metals, and random combinations.
  *
@@ -86,18 +72,8 @@ typedef struct nqm_conform_proof {
 NQM_API NQM_MUST_CHECK nqm_status nqm_conform_kit_create(const char *model, const char *keys, const nqm_model *metric,
                                                          nqm_conform_kit **kit_ret, nqm_error *err);
 NQM_API void nqm_conform_kit_free(nqm_conform_kit *kit);
-NQM_API nqm_conform_info nqm_conform_kit_get_info(const nqm_conform_kit *kit);
-/** Set i, counted from 0. */
-NQM_API nqm_conform_set nqm_conform_kit_get_set(const nqm_conform_kit *kit, size_t i);
-
-/**
- * Write a kit: rows of all sets and directions as CSV, or arrays for shaders with the loop over them.
- *
- * @param format  "csv", "glsl", "hlsl" or "h" (C); NULL: by the ending of the path
- * @return NQM_ERR_ARG for another format, NQM_ERR_IO, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_conform_kit_write(const nqm_conform_kit *kit, const char *format,
-                                                        const char *path, nqm_error *err);
+/** set: counted from 0. */
+NQM_API nqm_conform_info nqm_conform_kit_get_info(const nqm_conform_kit *kit, size_t set);
 
 /**
  * Score the values of a shader, and look for its mistake.
@@ -111,10 +87,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_conform_kit_write(const nqm_conform_kit *k
 NQM_API NQM_MUST_CHECK nqm_status nqm_conform_compare(const nqm_conform_kit *kit, const float *values,
                                                       nqm_progress_fn progress, void *user, nqm_score_result *results,
                                                       nqm_conform_report *report, nqm_error *err);
-
-/** Prove the kit: the model's own values pass, and each mistake that the model can have is found from its values. Errors as above. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_conform_prove(const nqm_conform_kit *kit, nqm_progress_fn progress, void *user,
-                                                    nqm_conform_proof *proof, nqm_error *err);
 
 #ifdef __cplusplus
 }

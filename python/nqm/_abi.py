@@ -349,11 +349,6 @@ class ConformInfo(Structure):
         ("n_directions", c_size_t),
         ("n_columns", c_size_t),
         ("columns", c_char_p),
-    ]
-
-
-class ConformSet(Structure):
-    _fields_ = [
         ("spec", c_char_p),
         ("values", c_void_p),
         ("light", c_void_p),
@@ -396,17 +391,6 @@ class ConformReport(Structure):
         ("angles", c_char * 400),
         ("most", c_char * 400),
         ("largest", ConformLargest),
-    ]
-
-
-class ConformProof(Structure):
-    _fields_ = [
-        ("lowest_jod", c_double),
-        ("n_mistakes", c_size_t),
-        ("n_first", c_size_t),
-        ("n_three", c_size_t),
-        ("passes", c_int),
-        ("missed", c_char * 10000),
     ]
 
 
@@ -1024,11 +1008,8 @@ FUNCTIONS = {
     "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
     "nqm_conform_kit_create": (c_int, [c_char_p, c_char_p, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_conform_kit_free": (None, [c_void_p]),
-    "nqm_conform_kit_get_info": (ConformInfo, [c_void_p]),
-    "nqm_conform_kit_get_set": (ConformSet, [c_void_p, c_size_t]),
-    "nqm_conform_kit_write": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(Error)]),
+    "nqm_conform_kit_get_info": (ConformInfo, [c_void_p, c_size_t]),
     "nqm_conform_compare": (c_int, [c_void_p, c_void_p, Progress, c_void_p, POINTER(ScoreResult), POINTER(ConformReport), POINTER(Error)]),
-    "nqm_conform_prove": (c_int, [c_void_p, Progress, c_void_p, POINTER(ConformProof), POINTER(Error)]),
     "nqm_dataset_load": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
     "nqm_dataset_free": (None, [c_void_p]),
     "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),

@@ -114,8 +114,8 @@ def conform(model: str, shader: ShaderLike, keys: Union[None, str, Sequence[str]
     scorer = as_model(metric)
     call(lib.nqm_conform_kit_create, encode(model), chosen, scorer._handle, byref(kit))
     own_handle(own, kit, lib.nqm_conform_kit_free)
-    info = lib.nqm_conform_kit_get_info(kit)
-    sets = [lib.nqm_conform_kit_get_set(kit, i) for i in range(info.n_sets)]
+    info = lib.nqm_conform_kit_get_info(kit, 0)
+    sets = [lib.nqm_conform_kit_get_info(kit, i) for i in range(info.n_sets)]
     shape, names = (info.n_directions, 3), info.columns.decode().split(",")
     if callable(shader):
         values = np.empty((info.n_sets, *shape), np.float32)

@@ -41,6 +41,11 @@ static inline double *nqm_conform_directions(const nqm_conform_kit *kit, size_t 
     return kit->directions + 3 * (2 * azimuth + side) * kit->n_directions;
 }
 
+/** Write a kit (write.c): rows of all sets and directions as CSV, or arrays for shaders with the loop over them. format: "csv", "glsl",
+ *  "hlsl" or "h" (C); NULL: by the ending of the path. NQM_ERR_ARG: another format; NQM_ERR_IO. */
+NQM_MUST_CHECK nqm_status nqm_conform_kit_write(const nqm_conform_kit *kit, const char *format, const char *path,
+                                                nqm_error *err);
+
 /* ---- mistakes (mistakes.c) --------------------------------------------------------------------------------------- */
 
 /** A mistake in a formula, in the use of a parameter, or of channels. */
@@ -71,5 +76,18 @@ void nqm_conform_sample(const nqm_conform_kit *kit, size_t set, const nqm_confor
 NQM_MUST_CHECK nqm_status nqm_conform_search(const nqm_conform_kit *kit, const float *values, const nqm_ticker *ticker,
                                              nqm_conform_suspect found[NQM_CONFORM_MISTAKES],
                                              nqm_conform_report *report, nqm_error *err);
+
+/** What nqm_conform_prove() finds. */
+typedef struct nqm_conform_proof {
+    double lowest_jod;  /**< of the model's own values, of inputs in float32 */
+    size_t n_mistakes;  /**< that the model can have */
+    size_t n_first;     /**< of them: found from their values, before all others */
+    size_t n_three;     /**< found among the first three */
+    int passes;         /**< 1: the values pass, 90 % are first, and 98 % among three */
+    char missed[10000]; /**< the texts of those that are not first, a line each */
+} nqm_conform_proof;
+/** Prove the kit: the model's own values pass, and each mistake that the model can have is found from its values. */
+NQM_MUST_CHECK nqm_status nqm_conform_prove(const nqm_conform_kit *kit, nqm_progress_fn progress, void *user,
+                                            nqm_conform_proof *proof, nqm_error *err);
 
 #endif

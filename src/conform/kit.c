@@ -122,14 +122,7 @@ static void add_set(nqm_conform_kit *kit, const nqm_values *base, const nqm_valu
         kit->sets[kit->n_sets++].values = kept;
 }
 
-/* A rotation shows on anisotropic lobes only. */
-static void set_amounts(const nqm_schema *schema, nqm_values *values) {
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        if (schema->keys[k].role == NQM_ROLE_ANISOTROPY || schema->keys[k].role == NQM_ROLE_COAT_ANISOTROPY)
-            set_key(schema, values, k, 0.8);
-}
-
-/* Sweep a key: of a dielectric, and once of a metal. */
+/* Sweep a key: of a dielectric, and once of a metal. An azimuth shows on anisotropic lobes only. */
 static void add_sweep(nqm_conform_kit *kit, const nqm_values *base, size_t k) {
     const nqm_schema *schema = kit->schema;
     const size_t layer = nqm_schema_layer_of(schema, k), metal = nqm_schema_key_of(schema, NQM_ROLE_METAL);
@@ -142,8 +135,9 @@ static void add_sweep(nqm_conform_kit *kit, const nqm_values *base, size_t k) {
             set_equal(&values, metal, 1);
         if (layer != k)
             set_equal(&values, layer, 1);
-        if (schema->keys[k].low < 0)
-            set_amounts(schema, &values);
+        for (size_t j = 0; j < schema->n_keys && nqm_role_is_azimuth(schema->keys[k].role); ++j)
+            if (nqm_role_is_anisotropic(schema->keys[j].role) && !nqm_role_is_azimuth(schema->keys[j].role))
+                set_key(schema, &values, j, 0.8);
         set_key(schema, &values, k, at[i]);
         add_set(kit, base, &values);
     }
@@ -272,16 +266,18 @@ void nqm_conform_kit_free(nqm_conform_kit *kit) {
     nqm_free(kit);
 }
 
-nqm_conform_info nqm_conform_kit_get_info(const nqm_conform_kit *kit) {
+nqm_conform_info nqm_conform_kit_get_info(const nqm_conform_kit *kit, size_t set) {
     assert(kit);
-    return (nqm_conform_info){kit->schema->model, kit->n_sets, kit->n_directions, kit->n_columns, kit->names};
-}
-
-nqm_conform_set nqm_conform_kit_get_set(const nqm_conform_kit *kit, size_t i) {
-    assert(kit);
-    if (i >= kit->n_sets)
-        return (nqm_conform_set){.spec = NULL};
-    const nqm_kit_set *set = &kit->sets[i];
-    return (nqm_conform_set){set->spec, kit->columns + i * kit->n_columns, nqm_conform_directions(kit, set->azimuth, 0),
-                             nqm_conform_directions(kit, set->azimuth, 1)};
+    nqm_conform_info info = {.model = kit->schema->model,
+                             .n_sets = kit->n_sets,
+                             .n_directions = kit->n_directions,
+                             .n_columns = kit->n_columns,
+                             .columns = kit->names};
+    if (set < kit->n_sets) {
+        info.spec = kit->sets[set].spec;
+        info.values = kit->columns + set * kit->n_columns;
+        info.light = nqm_conform_directions(kit, kit->sets[set].azimuth, 0);
+        info.viewer = nqm_conform_directions(kit, kit->sets[set].azimuth, 1);
+    }
+    return info;
 }

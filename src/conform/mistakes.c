@@ -48,7 +48,7 @@ static const char *channels_of(const nqm_schema *schema, const nqm_conform_flaw 
 
 static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
     const nqm_schema_key *key = &schema->keys[k];
-    const bool is_rotation = key->role == NQM_ROLE_AZIMUTH || key->role == NQM_ROLE_COAT_AZIMUTH,
+    const bool is_rotation = nqm_role_is_azimuth(key->role),
                is_amount = !is_rotation && nqm_role_is_anisotropic(key->role), is_width = nqm_role_is_width(key->role);
     switch (how) {
     case IGNORED:
@@ -399,7 +399,6 @@ static void count_found(const nqm_conform_kit *kit, size_t n, const nqm_conform_
 
 nqm_status nqm_conform_prove(const nqm_conform_kit *kit, nqm_progress_fn progress, void *user, nqm_conform_proof *proof,
                              nqm_error *err) {
-    NQM_REQUIRE(err, kit, proof);
     search s = {.kit = kit, .ticker = {.fn = progress, .user = user}, .err = err};
     nqm_conform_suspect list[MAX_SUSPECTS];
     const size_t n = list_suspects(kit, list), n_values = 3 * kit->n_sets * kit->n_directions;

@@ -15,7 +15,7 @@
 static void write_rows(const nqm_conform_kit *kit, FILE *out) {
     fprintf(out, "set,%s,light_x,light_y,light_z,viewer_x,viewer_y,viewer_z\n", kit->names);
     for (size_t s = 0; s < kit->n_sets; ++s) {
-        const nqm_conform_set set = nqm_conform_kit_get_set(kit, s);
+        const nqm_conform_info set = nqm_conform_kit_get_info(kit, s);
         char head[2048];
         nqm_format_doubles(head, sizeof head, kit->n_columns, set.values, ",");
         for (size_t i = 0; i < kit->n_directions; ++i) {
@@ -158,7 +158,6 @@ static void write_shader(const language *l, const nqm_conform_kit *kit, FILE *ou
 
 nqm_status nqm_conform_kit_write(const nqm_conform_kit *kit, const char *format, const char *path, nqm_error *err) {
     enum { N_LANGUAGES = sizeof languages / sizeof *languages };
-    NQM_REQUIRE(err, kit, path);
     const char *dot = strrchr(path, '.');
     const char *name = format ? format : dot ? dot + 1 : "";
     const language *l = languages;

@@ -71,9 +71,12 @@ bool nqm_role_is_width(nqm_role role) {
            role == NQM_ROLE_SHEEN_WIDTH;
 }
 
+bool nqm_role_is_azimuth(nqm_role role) {
+    return role == NQM_ROLE_AZIMUTH || role == NQM_ROLE_COAT_AZIMUTH;
+}
+
 bool nqm_role_is_anisotropic(nqm_role role) {
-    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_AZIMUTH || role == NQM_ROLE_COAT_ANISOTROPY ||
-           role == NQM_ROLE_COAT_AZIMUTH;
+    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_COAT_ANISOTROPY || nqm_role_is_azimuth(role);
 }
 
 bool nqm_role_is_film(nqm_role role) {

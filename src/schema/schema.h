@@ -110,6 +110,7 @@ size_t nqm_schema_layer_of(const nqm_schema *schema, size_t key);
 /** Whether a key is the width of a lobe, in any unit; whether it is an anisotropy or azimuth, which is 0 in isotropic models. */
 bool nqm_role_is_width(nqm_role role);
 bool nqm_role_is_anisotropic(nqm_role role);
+bool nqm_role_is_azimuth(nqm_role role);
 bool nqm_role_is_film(nqm_role role);
 
 /* ---- values ------------------------------------------------------------------------------------------------------- */

@@ -46,22 +46,23 @@ static float *values_of(const nqm_conform_kit *kit, float factor) {
 TEST(specs_are_the_parameters) {
     for (size_t m = 0; nqm_schema_shading(m); ++m) {
         nqm_conform_kit *kit = make_kit(nqm_schema_shading(m)->model, NULL);
-        const nqm_conform_info info = nqm_conform_kit_get_info(kit);
+        const nqm_conform_info info = nqm_conform_kit_get_info(kit, 0);
         const nqm_directions *directions = nqm_model_get_info(metric).directions;
         float *values = values_of(kit, 1);
         assert_true(info.n_sets >= 64 && info.n_directions == N);
         for (size_t set = 0; set < info.n_sets; ++set) {
-            const nqm_conform_set s = nqm_conform_kit_get_set(kit, set);
+            const nqm_conform_info s = nqm_conform_kit_get_info(kit, set);
             double rgb[3 * N];
             nqm_brdf *brdf = must_open(s.spec);
-            nqm_brdf_eval(brdf, N, nqm_directions_get_info(directions).wi, nqm_directions_get_info(directions).wo, rgb, NULL);
+            nqm_brdf_eval(brdf, N, nqm_directions_get_info(directions).wi, nqm_directions_get_info(directions).wo, rgb,
+                          NULL);
             for (size_t i = 0; i < 3 * N; ++i)
                 assert_near((double)values[3 * N * set + i], rgb[i], 1e-4 * (1 + rgb[i]));
             for (size_t c = 0; c < info.n_columns; ++c)
                 assert_true(isfinite(s.values[c]));
             nqm_brdf_free(brdf);
         }
-        assert_null(nqm_conform_kit_get_set(kit, info.n_sets).spec);
+        assert_null(nqm_conform_kit_get_info(kit, info.n_sets).spec);
         end_kit(kit, values);
     }
 }

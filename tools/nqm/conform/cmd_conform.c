@@ -2,9 +2,9 @@
  *
  * nqm conform - does a shader implement its specification, and which mistake does it make?
  */
+#include "conform/conform.h"
 #include "io/io.h"
 #include "nqm/score/batch.h"
-#include <nqm/conform.h>
 #include <nqm/translate.h>
 
 #include <errno.h>
@@ -24,7 +24,6 @@ typedef struct conform_result {
     nqm_conform_info kit;
     score_run run; /* a row for each set, in their order */
     nqm_conform_report report;
-    size_t n_shown; /* sets in tables */
 } conform_result;
 
 /* Rows for the results of the sets. */
@@ -39,7 +38,7 @@ static void make_rows(conform_result *r, const nqm_conform_kit *kit, const char 
         scored_pair *row = &r->run.rows[set];
         char text[32];
         snprintf(text, sizeof text, "set %zu", set + 1);
-        *row = (scored_pair){.pair = {nqm_conform_kit_get_set(kit, set).spec, name},
+        *row = (scored_pair){.pair = {nqm_conform_kit_get_info(kit, set).spec, name},
                              .name = must_have(strdup(text)),
                              .result = results[set],
                              .order = set};
@@ -385,9 +384,8 @@ static int compare(const nqm_conform_kit *kit, const char *name, const float *va
     must(nqm_conform_compare(kit, values, show_progress, NULL, results, &r->report, &fault));
     end_progress();
     r->run.options = plain_score_options();
-    r->n_shown = n_worst ? (size_t)n_worst : r->kit.n_sets;
     make_rows(r, kit, name, results);
-    summarise_rows(&r->run, name, r->n_shown, &s);
+    summarise_rows(&r->run, name, n_worst ? (size_t)n_worst : r->kit.n_sets, &s);
     print_conform(r, &s);
     write_conform_reports(r, &s);
     report_values(&r->run);
@@ -406,7 +404,7 @@ int cmd_conform(int argc, char **argv) {
     result.run.model = open_model(NULL);
     must(nqm_conform_kit_create(argv[0], keys, result.run.model, &kit, &fault));
     const nqm_conform_info *info = &result.kit;
-    result.kit = nqm_conform_kit_get_info(kit);
+    result.kit = nqm_conform_kit_get_info(kit, 0);
     if (rows)
         must(nqm_conform_kit_write(kit, "csv", output_path(rows), &fault));
     if (shader)
