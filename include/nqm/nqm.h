@@ -8,6 +8,7 @@
 
 #include <nqm/base.h>
 #include <nqm/brdf.h>
+#include <nqm/conform.h>
 #include <nqm/corpus.h>
 #include <nqm/data.h>
 #include <nqm/fit.h>

@@ -25,6 +25,7 @@ typedef struct nqm_translation {
 typedef struct nqm_translate_model {
     const char *name;  /**< "gltf"; NULL: there are fewer models */
     const char *alias; /**< another name, "openpbr"; NULL: none */
+    const char *about; /**< what it is, "OpenPBR Surface" */
     char extension[8]; /**< of the first format that holds its materials, ".gltf" */
 } nqm_translate_model;
 

@@ -16,6 +16,7 @@ from ._library import lib as _lib
 from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, files_within,
                     half_diff_to_directions, materials, presets, table_nodes)
 from ._call import Error
+from ._conform import Conformance, Mistake, conform
 from ._data import Dataset
 from ._find import Change, dedup, diff, nearest
 from ._fit import Fit, Translation, fit, fit_models, translate
@@ -34,6 +35,7 @@ __all__ = [
     "dedup", "nearest", "diff", "Change",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "translate", "Translation", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
+    "conform", "Conformance", "Mistake",
     "Error", "Status", "build_info", "files_within",
 ]
 

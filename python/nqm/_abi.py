@@ -161,44 +161,6 @@ class SampleReport(Structure):
     ]
 
 
-class Split(enum.IntEnum):
-    """`nqm_split`"""
-
-    TRAIN = 0
-    VALIDATION = 1
-    TEST = 2
-    ALL = 3
-
-
-class DatasetInfo(Structure):
-    _fields_ = [
-        ("n_directions", c_size_t),
-        ("n_refs", c_size_t),
-        ("n_groups", c_size_t),
-        ("n_pairs", c_size_t),
-        ("n_kinds", c_size_t),
-        ("n_pairs_in", c_size_t * 3),
-        ("sha256", c_char_p),
-        ("manifest", c_char_p),
-        ("directions", c_void_p),
-    ]
-
-
-class DatasetPair(Structure):
-    _fields_ = [
-        ("ref", c_char_p),
-        ("group", c_char_p),
-        ("test", c_char_p),
-        ("kind", c_char_p),
-        ("family", c_char_p),
-        ("material_class", c_char_p),
-        ("source", c_char_p),
-        ("split", c_int),
-        ("delta_e", c_double),
-        ("jod", c_double),
-    ]
-
-
 class Target(enum.IntEnum):
     """`nqm_target`"""
 
@@ -293,6 +255,180 @@ class LabelInfo(Structure):
         ("jod_error", c_double),
         ("adapted_jod", c_double),
         ("words", c_char * 160),
+    ]
+
+
+class Metric(enum.IntEnum):
+    """`nqm_metric`"""
+
+    RMSE = 0
+    MAE = 1
+    RMS_CRWE = 2
+    MA_CRWE = 3
+    RMS_LOGE = 4
+    MA_LOGE = 5
+    RMS_LOGWE = 6
+    MA_LOGWE = 7
+    LOG_DIFF = 8
+
+
+class MetricInfo(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("description", c_char_p),
+        ("family", c_char_p),
+        ("is_baseline", c_int),
+    ]
+
+
+class ScoreOptions(Structure):
+    _fields_ = [
+        ("invalid", c_int),
+        ("min_valid_fraction", c_double),
+        ("metrics", c_int),
+        ("cache_bytes", c_size_t),
+    ]
+
+
+REMARK_TEXT = 256
+
+
+class ScoreResult(Structure):
+    _fields_ = [
+        ("status", c_int),
+        ("jod", c_double),
+        ("delta_e", c_double),
+        ("jod_low", c_double),
+        ("jod_high", c_double),
+        ("novelty", c_double),
+        ("parts", Label),
+        ("similarity", c_double * 3),
+        ("anisotropy", c_double),
+        ("identical", c_int),
+        ("metrics", c_double * 9),
+        ("n_valid", c_size_t),
+        ("n_clamped", c_size_t * 2),
+        ("n_invalid", c_size_t * 2),
+        ("n_unusual", c_size_t * 2),
+        ("remark", (c_char * 256) * 2),
+        ("distance_deg", c_double * 2),
+        ("suspect_scale", c_double),
+        ("suspect_cosine", c_double),
+    ]
+
+
+SCORE_BLOCK = 256
+
+
+class NamedPair(Structure):
+    _fields_ = [
+        ("ref", c_char_p),
+        ("test", c_char_p),
+    ]
+
+
+class SamplePair(Structure):
+    _fields_ = [
+        ("ref", c_void_p),
+        ("test", c_void_p),
+        ("used", c_void_p),
+    ]
+
+
+class ScoreQuantity(enum.IntEnum):
+    """`nqm_score_quantity`"""
+
+    JOD = 0
+    DELTA_E = 1
+
+
+class ConformInfo(Structure):
+    _fields_ = [
+        ("model", c_char_p),
+        ("n_sets", c_size_t),
+        ("n_directions", c_size_t),
+        ("n_columns", c_size_t),
+        ("columns", c_char_p),
+        ("spec", c_char_p),
+        ("values", c_void_p),
+        ("light", c_void_p),
+        ("viewer", c_void_p),
+    ]
+
+
+CONFORM_MISTAKES = 3
+CONFORM_TEXT = 400
+
+
+class ConformMistake(Structure):
+    _fields_ = [
+        ("text", c_char * 400),
+        ("lowest_jod", c_double),
+        ("remaining", c_double),
+    ]
+
+
+class ConformLargest(Structure):
+    _fields_ = [
+        ("set", c_size_t),
+        ("direction", c_size_t),
+        ("channel", c_size_t),
+        ("value", c_double),
+        ("right", c_double),
+        ("angles_rad", c_double * 4),
+    ]
+
+
+class ConformReport(Structure):
+    _fields_ = [
+        ("n_passed", c_size_t),
+        ("lowest_jod", c_double),
+        ("difference", c_double),
+        ("n_mistakes", c_size_t),
+        ("mistakes", ConformMistake * 3),
+        ("is_named", c_int),
+        ("sets", c_char * 400),
+        ("angles", c_char * 400),
+        ("most", c_char * 400),
+        ("largest", ConformLargest),
+    ]
+
+
+class Split(enum.IntEnum):
+    """`nqm_split`"""
+
+    TRAIN = 0
+    VALIDATION = 1
+    TEST = 2
+    ALL = 3
+
+
+class DatasetInfo(Structure):
+    _fields_ = [
+        ("n_directions", c_size_t),
+        ("n_refs", c_size_t),
+        ("n_groups", c_size_t),
+        ("n_pairs", c_size_t),
+        ("n_kinds", c_size_t),
+        ("n_pairs_in", c_size_t * 3),
+        ("sha256", c_char_p),
+        ("manifest", c_char_p),
+        ("directions", c_void_p),
+    ]
+
+
+class DatasetPair(Structure):
+    _fields_ = [
+        ("ref", c_char_p),
+        ("group", c_char_p),
+        ("test", c_char_p),
+        ("kind", c_char_p),
+        ("family", c_char_p),
+        ("material_class", c_char_p),
+        ("source", c_char_p),
+        ("split", c_int),
+        ("delta_e", c_double),
+        ("jod", c_double),
     ]
 
 
@@ -467,90 +603,6 @@ class FitReport(Structure):
 
 FIT_N_ENCODINGS = 9
 FIT_FIRST_SHADING = 22
-
-
-class Metric(enum.IntEnum):
-    """`nqm_metric`"""
-
-    RMSE = 0
-    MAE = 1
-    RMS_CRWE = 2
-    MA_CRWE = 3
-    RMS_LOGE = 4
-    MA_LOGE = 5
-    RMS_LOGWE = 6
-    MA_LOGWE = 7
-    LOG_DIFF = 8
-
-
-class MetricInfo(Structure):
-    _fields_ = [
-        ("name", c_char_p),
-        ("description", c_char_p),
-        ("family", c_char_p),
-        ("is_baseline", c_int),
-    ]
-
-
-class ScoreOptions(Structure):
-    _fields_ = [
-        ("invalid", c_int),
-        ("min_valid_fraction", c_double),
-        ("metrics", c_int),
-        ("cache_bytes", c_size_t),
-    ]
-
-
-REMARK_TEXT = 256
-
-
-class ScoreResult(Structure):
-    _fields_ = [
-        ("status", c_int),
-        ("jod", c_double),
-        ("delta_e", c_double),
-        ("jod_low", c_double),
-        ("jod_high", c_double),
-        ("novelty", c_double),
-        ("parts", Label),
-        ("similarity", c_double * 3),
-        ("anisotropy", c_double),
-        ("identical", c_int),
-        ("metrics", c_double * 9),
-        ("n_valid", c_size_t),
-        ("n_clamped", c_size_t * 2),
-        ("n_invalid", c_size_t * 2),
-        ("n_unusual", c_size_t * 2),
-        ("remark", (c_char * 256) * 2),
-        ("distance_deg", c_double * 2),
-        ("suspect_scale", c_double),
-        ("suspect_cosine", c_double),
-    ]
-
-
-SCORE_BLOCK = 256
-
-
-class NamedPair(Structure):
-    _fields_ = [
-        ("ref", c_char_p),
-        ("test", c_char_p),
-    ]
-
-
-class SamplePair(Structure):
-    _fields_ = [
-        ("ref", c_void_p),
-        ("test", c_void_p),
-        ("used", c_void_p),
-    ]
-
-
-class ScoreQuantity(enum.IntEnum):
-    """`nqm_score_quantity`"""
-
-    JOD = 0
-    DELTA_E = 1
 
 
 class TextureInfo(Structure):
@@ -898,6 +950,7 @@ class TranslateModel(Structure):
     _fields_ = [
         ("name", c_char_p),
         ("alias", c_char_p),
+        ("about", c_char_p),
         ("extension", c_char * 8),
     ]
 
@@ -933,10 +986,6 @@ FUNCTIONS = {
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), POINTER(Error)]),
     "nqm_samples_save_mat": (c_int, [c_void_p, c_void_p, c_char_p, POINTER(Error)]),
-    "nqm_dataset_load": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
-    "nqm_dataset_free": (None, [c_void_p]),
-    "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
-    "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_model_load": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_model_save": (c_int, [c_void_p, c_char_p, POINTER(Error)]),
     "nqm_model_builtin_name": (c_char_p, [c_size_t]),
@@ -946,6 +995,25 @@ FUNCTIONS = {
     "nqm_curve_jod": (c_double, [POINTER(Curve), c_double]),
     "nqm_regress": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(RegressReport), POINTER(Error)]),
     "nqm_label_get_info": (LabelInfo, [POINTER(Label)]),
+    "nqm_metric_get_info": (MetricInfo, [c_int]),
+    "nqm_score_options_default": (ScoreOptions, []),
+    "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
+    "nqm_scorer_free": (None, [c_void_p]),
+    "nqm_scorer_run": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_scorer_run_named": (c_int, [c_void_p, c_size_t, POINTER(NamedPair), POINTER(ScoreResult), POINTER(Error), POINTER(Error)]),
+    "nqm_scorer_run_samples": (c_int, [c_void_p, c_size_t, POINTER(SamplePair), POINTER(ScoreResult), POINTER(Error)]),
+    "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_jod_preference": (c_double, [c_double, c_double]),
+    "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
+    "nqm_conform_kit_create": (c_int, [c_char_p, c_char_p, c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_conform_kit_free": (None, [c_void_p]),
+    "nqm_conform_kit_get_info": (ConformInfo, [c_void_p, c_size_t]),
+    "nqm_conform_compare": (c_int, [c_void_p, c_void_p, Progress, c_void_p, POINTER(ScoreResult), POINTER(ConformReport), POINTER(Error)]),
+    "nqm_dataset_load": (c_int, [c_char_p, c_char_p, c_int, c_void_p, POINTER(Error)]),
+    "nqm_dataset_free": (None, [c_void_p]),
+    "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
+    "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
     "nqm_scene_options_default": (SceneOptions, []),
     "nqm_scene_create": (c_int, [POINTER(SceneOptions), c_void_p, POINTER(Error)]),
     "nqm_scene_free": (None, [c_void_p]),
@@ -962,17 +1030,6 @@ FUNCTIONS = {
     "nqm_corpus_build": (c_int, [c_size_t, POINTER(CorpusPair), c_void_p, POINTER(CorpusOptions), c_char_p, POINTER(Error)]),
     "nqm_fit_options_default": (FitOptions, []),
     "nqm_fit_model": (c_char_p, [c_size_t]),
-    "nqm_metric_get_info": (MetricInfo, [c_int]),
-    "nqm_score_options_default": (ScoreOptions, []),
-    "nqm_score": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreOptions), POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_scorer_create": (c_int, [c_void_p, POINTER(ScoreOptions), c_void_p, POINTER(Error)]),
-    "nqm_scorer_free": (None, [c_void_p]),
-    "nqm_scorer_run": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_scorer_run_named": (c_int, [c_void_p, c_size_t, POINTER(NamedPair), POINTER(ScoreResult), POINTER(Error), POINTER(Error)]),
-    "nqm_scorer_run_samples": (c_int, [c_void_p, c_size_t, POINTER(SamplePair), POINTER(ScoreResult), POINTER(Error)]),
-    "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
-    "nqm_jod_preference": (c_double, [c_double, c_double]),
-    "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
     "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
     "nqm_texture_free": (None, [c_void_p]),

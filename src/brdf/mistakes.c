@@ -7,8 +7,8 @@
 #include "brdf/core/spec.h"
 #include <string.h>
 
-#define TWIN_OF(NAME, ...) {&nqm_##NAME##_model, &nqm_##NAME##_model_mistaken},
-static const nqm_analytic_model *const twins[][2] = {NQM_SHADING_SCHEMAS(TWIN_OF)};
+#define TWIN_OF(NAME, ...) &nqm_##NAME##_model_mistaken,
+static const nqm_analytic_model *const twins[] = {NQM_SHADING_SCHEMAS(TWIN_OF)};
 
 static bool is_in(const nqm_mistakes *mistakes, int mistake) {
     return mistakes->made >> mistake & 1;
@@ -21,17 +21,17 @@ static double change(double v, const nqm_mistakes *m, double cos_i, double cos_o
     return is_in(m, NQM_MISTAKE_ENCODED) ? nqm_linear_to_srgb(v) : v;
 }
 
-void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_values *values, const nqm_mistakes *mistakes,
-                       size_t n, const double *wi, const double *wo, float *rgb) {
+void nqm_mistaken_eval(const nqm_values *values, const nqm_mistakes *mistakes, size_t n, const double *wi,
+                       const double *wo, float *rgb) {
     enum { PIECE = 256 };
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];
     double piece[3 * PIECE];
     size_t twin = 0;
     const char *to = mistakes->channels;
     const bool leaks = to && strlen(to) == 2;
-    while (twins[twin][0] != model)
+    while (twins[twin]->schema != values->schema)
         ++twin;
-    model = twins[twin][1];
+    const nqm_analytic_model *model = twins[twin];
     nqm_mistakes_made = *mistakes;
     *(nqm_spec_state *)state = (nqm_spec_state){model, *values};
     model->prepare(values, state);

@@ -23,12 +23,31 @@ NQM_PLAIN_SCHEMAS(DEFINE_SCHEMA)
 #define POINTER_TO(NAME, ...) &nqm_##NAME##_schema,
 static const nqm_schema *const schemas[] = {NQM_SHADING_SCHEMAS(POINTER_TO) NQM_SLOW_SCHEMAS(POINTER_TO)
                                                 NQM_PLAIN_SCHEMAS(POINTER_TO) NULL};
+#define COUNT_ONE(...) +1
+enum { N_SHADINGS = 0 NQM_SHADING_SCHEMAS(COUNT_ONE) }; /* the first ones */
 
 const nqm_schema *nqm_schema_find(const char *name, size_t n) {
     const nqm_schema *const *s = schemas;
     while (*s && !(strncmp((*s)->model, name, n) == 0 && (*s)->model[n] == 0))
         ++s;
     return *s;
+}
+
+const nqm_schema *nqm_schema_shading(size_t i) {
+    return i < N_SHADINGS ? schemas[i] : NULL;
+}
+
+nqm_status nqm_schema_find_shading(const char *name, const nqm_schema **schema_ret, nqm_error *err) {
+    char names[300] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < N_SHADINGS; ++i) {
+        *schema_ret = schemas[i];
+        if (strcmp(name, schemas[i]->model) == 0 || (schemas[i]->alias && strcmp(name, schemas[i]->alias) == 0))
+            return NQM_OK;
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", schemas[i]->model);
+    }
+    *schema_ret = NULL;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "'%.40s' is no shading model; there are %s", name, names);
 }
 
 size_t nqm_schema_key_named(const nqm_schema *schema, const char *name, size_t n) {
@@ -52,9 +71,12 @@ bool nqm_schema_is_width(nqm_role role) {
            role == NQM_ROLE_SHEEN_WIDTH;
 }
 
+bool nqm_schema_is_azimuth(nqm_role role) {
+    return role == NQM_ROLE_AZIMUTH || role == NQM_ROLE_COAT_AZIMUTH;
+}
+
 bool nqm_schema_is_anisotropic(nqm_role role) {
-    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_AZIMUTH || role == NQM_ROLE_COAT_ANISOTROPY ||
-           role == NQM_ROLE_COAT_AZIMUTH;
+    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_COAT_ANISOTROPY || nqm_schema_is_azimuth(role);
 }
 
 bool nqm_schema_is_film(nqm_role role) {

@@ -95,6 +95,10 @@ typedef struct nqm_values {
 
 /** The schema of a model of material files: a shading model or "lambert"; NULL: there is none of the first n characters of `name`. */
 const nqm_schema *nqm_schema_find(const char *name, size_t n);
+/** Shading model i of those to which others are fitted; NULL: there are fewer. */
+const nqm_schema *nqm_schema_shading(size_t i);
+/** The one of a name or its other name. NQM_ERR_ARG: there is none; the message has all names. */
+NQM_MUST_CHECK nqm_status nqm_schema_find_shading(const char *name, const nqm_schema **schema_ret, nqm_error *err);
 /** The key of a name, of its first n characters; n_keys: there is none. */
 size_t nqm_schema_key_named(const nqm_schema *schema, const char *name, size_t n);
 /** The first key of a role; n_keys: there is none. */
@@ -106,6 +110,7 @@ size_t nqm_schema_layer_of(const nqm_schema *schema, size_t key);
 /** Whether a key is the width of a lobe, in any unit; whether it is an anisotropy or azimuth, which is 0 in isotropic models. */
 bool nqm_schema_is_width(nqm_role role);
 bool nqm_schema_is_anisotropic(nqm_role role);
+bool nqm_schema_is_azimuth(nqm_role role);
 bool nqm_schema_is_film(nqm_role role);
 
 /* ---- values ------------------------------------------------------------------------------------------------------- */

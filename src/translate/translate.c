@@ -7,35 +7,19 @@
 #include "base/options.h"
 #include "fit/anisotropy.h"
 #include "material/material.h"
-#include "schema/models.h"
 #include <nqm/metric.h>
 
 #include <string.h>
 
-#define POINTER_TO(NAME, ...) &nqm_##NAME##_schema,
-static const nqm_schema *const targets[] = {NQM_SHADING_SCHEMAS(POINTER_TO) NULL};
-enum { N_TARGETS = sizeof targets / sizeof *targets - 1 };
-
 nqm_translate_model nqm_translate_target(size_t i) {
+    const nqm_schema *schema = nqm_schema_shading(i);
     nqm_translate_model m = {.name = NULL};
-    if (i < N_TARGETS) {
-        const char *all = nqm_material_extensions(targets[i]->model);
-        m = (nqm_translate_model){.name = targets[i]->model, .alias = targets[i]->alias};
+    if (schema) {
+        const char *all = nqm_material_extensions(schema->model);
+        m = (nqm_translate_model){.name = schema->model, .alias = schema->alias, .about = schema->about};
         snprintf(m.extension, sizeof m.extension, "%.*s", (int)strcspn(all, " "), all);
     }
     return m;
-}
-
-static nqm_status find_target(const char *model, const nqm_schema **schema_ret, nqm_error *err) {
-    char names[300] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < N_TARGETS; ++i) {
-        *schema_ret = targets[i];
-        if (strcmp(model, targets[i]->model) == 0 || (targets[i]->alias && strcmp(model, targets[i]->alias) == 0))
-            return NQM_OK;
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", targets[i]->model);
-    }
-    return nqm_fail(err, NQM_ERR_ARG, -1, "nothing is translated to '%.40s'; there are %s", model, names);
 }
 
 /* Where a model cannot look like the reference, values and rays may lead a fit past what its properties say. */
@@ -79,7 +63,7 @@ nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match
     const nqm_schema *schema;
     nqm_brdf *brdf = NULL;
     *result = (nqm_translation){.dropped = ""};
-    nqm_status status = find_target(model, &schema, err);
+    nqm_status status = nqm_schema_find_shading(model, &schema, err);
     if (status != NQM_OK)
         return status;
     if (!copy_values(ref, schema, result))

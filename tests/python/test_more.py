@@ -28,6 +28,62 @@ def press_ctrl_c(delay, caught):
         delay = 60
 
 
+class Conform(unittest.TestCase):
+    @staticmethod
+    def metal(p, light, viewer, power=4):
+        h = light + viewer
+        h /= np.linalg.norm(h, axis=1, keepdims=True)
+        a2, l, v, n_h = p["roughness"]**power, light[:, 2:], viewer[:, 2:], h[:, 2:]
+        d = a2 / (np.pi * (n_h * n_h * (a2 - 1) + 1)**2)
+        g = .5 / (l * np.sqrt(v * v * (1 - a2) + a2) + v * np.sqrt(l * l * (1 - a2) + a2))
+        return (p["base_color"] + (1 - p["base_color"]) * (1 - (viewer * h).sum(axis=1, keepdims=True))**5) * d * g
+
+    def test_right(self):
+        found = nqm.conform("gltf", self.metal, ["base_color", "roughness"])
+        self.assertTrue(found.passes)
+        self.assertEqual((found.mistake, found.mistakes, found.facts, len(found.jod)), (None, (), (), len(found.specs)))
+        self.assertGreater(found.jod.min(), 9.99)
+        self.assertRegex(str(found), r"^(\d+) of \1 sets pass, lowest JOD 10.00$")
+
+    def test_wrong(self):
+        """As the tool says of the same values."""
+        rows = []
+
+        def shader(p, light, viewer):
+            rows.append(self.metal(p, light, viewer, 8))
+            return rows[-1]
+
+        found = nqm.conform("gltf", shader, "base_color,roughness")
+        self.assertFalse(found.passes)
+        self.assertEqual((found.mistake, found.mistakes[0].text), ("roughness is squared twice",) * 2)
+        self.assertIn("likely mistake: roughness is squared twice", str(found))
+        with tempfile.TemporaryDirectory() as folder:
+            np.save(folder + "/values.npy", np.array(rows, np.float32))
+            again = nqm.conform("gltf", np.load(folder + "/values.npy"), "base_color,roughness")
+            printed = json.loads(run_tool("conform", "gltf", folder + "/values.npy", "--keys", "base_color,roughness", "--fail-under", "0", "--json"))
+        np.testing.assert_allclose([r["jod"] for r in printed["results"]], found.jod, rtol=1e-8)
+        self.assertEqual([r["reference"] for r in printed["results"]], list(found.specs))
+        self.assertEqual([m["mistake"] for m in printed["mistakes"]], [m.text for m in found.mistakes])
+        self.assertEqual([f["text"] for f in printed["facts"].values()], list(found.facts))
+        np.testing.assert_array_equal(again.jod, found.jod)
+
+    def test_faults(self):
+        def broken(p, light, viewer):
+            raise ZeroDivisionError
+
+        def stop(stage, done, total):
+            raise KeyboardInterrupt
+
+        for error, words, arguments in ((nqm.Error, "'ggx' is no shading model; there are", ("ggx", broken)), (ZeroDivisionError, "", ("gltf", broken)),
+                                        (nqm.Error, "gltf has no 'gloss'; it has base_color", ("gltf", broken, "gloss")),
+                                        (ValueError, "the kit has", ("gltf", np.zeros((2, 2, 3))))):
+            with self.assertRaisesRegex(error, words):
+                nqm.conform(*arguments)
+        with self.assertRaises(KeyboardInterrupt):
+            nqm.conform("gltf", self.metal, progress=stop)
+        self.assertIn("sets have no score", str(nqm.conform("gltf", lambda p, light, viewer: light * np.nan, "base_color")))
+
+
 class Fits(unittest.TestCase):
     def test_exact(self):
         found = nqm.fit("ggx:kd=.2,.1,.05;ks=.3;alpha=.2;f0=.8", "ggx", loss="log", **QUICK)

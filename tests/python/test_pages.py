@@ -9,6 +9,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 import nqm
 
 SOURCE = os.environ["NQM_SOURCE"]
@@ -52,7 +54,7 @@ class Pages(unittest.TestCase):
     def test_docstrings(self):
         for thing in (nqm, *vars(nqm).values()):
             if thing is nqm or ">>>" in (getattr(thing, "__module__", "").startswith("nqm.") and thing.__doc__ or ""):
-                self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm})
+                self.run_examples(thing.__doc__, thing.__name__, {"nqm": nqm, "np": np})
 
     def test_reference(self):
         made = subprocess.run([sys.executable, SOURCE + "/doc/reference_python.py"], stdout=subprocess.PIPE, check=True).stdout.decode()

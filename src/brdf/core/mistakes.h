@@ -115,14 +115,13 @@ static inline double nqm_negate(double x) {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-struct nqm_analytic_model;
 struct nqm_values;
 /** What a mistake does, for people; its amount follows. mistake < NQM_N_MISTAKES. */
 const char *nqm_mistake_words(size_t mistake);
 /** Evaluate a shading model with mistakes: rgb (n, 3) receives f_r in 1/sr as float32, at least 0, and 0 for values that are not
- *  finite. wi, wo: (n, 3) above the horizon. model: a shading model; any thread. */
-void nqm_mistaken_eval(const struct nqm_analytic_model *model, const struct nqm_values *values,
-                       const nqm_mistakes *mistakes, size_t n, const double *wi, const double *wo, float *rgb);
+ *  finite. wi, wo: (n, 3) above the horizon. values: of a shading model; any thread. */
+void nqm_mistaken_eval(const struct nqm_values *values, const nqm_mistakes *mistakes, size_t n, const double *wi,
+                       const double *wo, float *rgb);
 
 /** What this thread's evaluation of a mistaken model does wrong; nqm_mistaken_eval() sets it. */
 extern _Thread_local nqm_mistakes nqm_mistakes_made;

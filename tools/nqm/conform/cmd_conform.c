@@ -2,128 +2,103 @@
  *
  * nqm conform - does a shader implement its specification, and which mistake does it make?
  */
-#include "nqm/conform/conform.h"
+#include "conform/conform.h"
+#include "io/io.h"
+#include "nqm/score/batch.h"
+#include <nqm/translate.h>
 
+#include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 
 static const char *junit, *markdown;
 
-enum { N_NAMED = 3 };
-/* The JOD from which on a set passes: the rest is rounding. */
-static const double conform_pass = 9.99;
 typedef struct conform_result {
-    const conform_kit *kit;
+    nqm_conform_info kit;
     score_run run; /* a row for each set, in their order */
-    size_t n_passed;
-    double lowest; /* JOD */
-    double none;   /* as suspect.left, without a mistake; 0: all sets pass */
-    size_t n_named;
-    suspect named[N_NAMED];
-    json_t *facts;
-    size_t n_shown; /* sets in tables */
+    nqm_conform_report report;
 } conform_result;
 
 /* Rows for the results of the sets. */
-static void make_rows(conform_result *r, const char *name, const nqm_score_result *results) {
-    const conform_kit *kit = r->kit;
-    r->run.model = kit->metric;
-    r->run.n_rows = kit->n_sets;
-    r->run.rows = allocate(kit->n_sets, sizeof *r->run.rows);
-    r->run.ref_path = kit->model->schema->model;
+static void make_rows(conform_result *r, const nqm_conform_kit *kit, const char *name,
+                      const nqm_score_result *results) {
+    r->run.n_rows = r->kit.n_sets;
+    r->run.rows = allocate(r->kit.n_sets, sizeof *r->run.rows);
+    r->run.ref_path = r->kit.model;
     r->run.ref_name = name;
-    r->run.terms = (remark_terms){kit->metric, NQM_INVALID_DROP};
-    for (size_t set = 0; set < kit->n_sets; ++set) {
+    r->run.terms = (remark_terms){r->run.model, NQM_INVALID_DROP};
+    for (size_t set = 0; set < r->kit.n_sets; ++set) {
         scored_pair *row = &r->run.rows[set];
-        const kit_set *of = &kit->sets[set];
-        *row = (scored_pair){.pair = {of->spec, name}, .name = of->name, .result = results[set], .order = set};
+        char text[32];
+        snprintf(text, sizeof text, "set %zu", set + 1);
+        *row = (scored_pair){.pair = {nqm_conform_kit_get_info(kit, set).spec, name},
+                             .name = must_have(strdup(text)),
+                             .result = results[set],
+                             .order = set};
         row->err.status = results[set].status;
         if (row->err.status != NQM_OK)
             snprintf(row->err.message, sizeof row->err.message, "set %zu: %zu of %zu values are not finite", set + 1,
-                     results[set].n_invalid[1], kit->n_directions);
+                     results[set].n_invalid[1], r->kit.n_directions);
     }
-}
-
-/* ---- scores ------------------------------------------------------------------------------------------------------ */
-
-/* Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). Returns the lowest JOD. */
-static double score_values(const conform_kit *kit, const float *values, const suspect *s, nqm_score_result *results) {
-    const nqm_score_options options = plain_score_options();
-    nqm_scorer *scorer = open_scorer(kit->metric, &options);
-    const size_t n = kit->n_directions;
-    double lowest = 10;
-    float *ref = allocate(3 * kit->n_sets * n, sizeof *ref), *test = allocate(3 * kit->n_sets * n, sizeof *test);
-    uint8_t *used = allocate(kit->n_sets * n, 1);
-    nqm_sample_pair *pairs = allocate(kit->n_sets, sizeof *pairs);
-    for (size_t set = 0; set < kit->n_sets; ++set) {
-        pairs[set] = (nqm_sample_pair){ref + 3 * set * n, test + 3 * set * n, used + set * n};
-        sample_suspect(kit, set, s, ref + 3 * set * n);
-    }
-    for (size_t i = 0; i < kit->n_sets * n; ++i) {
-        used[i] = (uint8_t)(isnan(values[3 * i]) == 0);
-        for (size_t c = 0; c < 3; ++c)
-            test[3 * i + c] = used[i] ? fmaxf(values[3 * i + c], 0) : 0;
-    }
-    must(nqm_scorer_run_samples(scorer, kit->n_sets, pairs, results, &fault));
-    for (size_t set = 0; set < kit->n_sets; ++set) {
-        lowest = fmin(lowest, results[set].jod); /* without NaN */
-        for (size_t i = set * n; i < (set + 1) * n; ++i) {
-            const float *v = values + 3 * i;
-            results[set].n_invalid[1] += !used[i];
-            results[set].n_clamped[1] += used[i] && (v[0] < 0 || v[1] < 0 || v[2] < 0);
-        }
-    }
-    nqm_scorer_free(scorer);
-    free(pairs);
-    free(used);
-    free(test);
-    free(ref);
-    return lowest;
 }
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-/* All sets pass with it, or it leaves less than half of the difference (with an amount, which fits more, a tenth), and no worse
- * set than without it. */
-static bool is_named(const conform_result *r) {
-    const suspect *s = &r->named[0];
-    const double most = s->flaws[0].amount != 0 || s->flaws[1].amount != 0 ? 0.1 : 0.5;
-    return r->n_named && ((s->left < most * r->none && s->lowest > r->lowest - 0.01) ||
-                          (r->lowest < conform_pass && s->lowest >= conform_pass));
-}
-
 /* Mistakes, what JOD the worst set has with each, and how much of the difference remains; and facts where no mistake explains all. */
-static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
-    const char *name;
-    json_t *fact;
-    fputs(!r->n_named && r->none == 0 ? "No difference that a mistake has to explain."
-          : !r->n_named               ? "No mistake of the list explains the difference."
-          : !is_named(r)              ? "No mistake of the list explains the difference. The nearest: "
-          : r->lowest < conform_pass  ? "Likely mistake: "
-                                      : "Likely mistake, which is not visible: ",
+static void put_mistakes(FILE *out, const nqm_conform_report *r, const char *between) {
+    const char *const facts[] = {r->sets, r->angles, r->most};
+    fputs(!r->n_mistakes && r->difference == 0 ? "No difference that a mistake has to explain."
+          : !r->n_mistakes                     ? "No mistake of the list explains the difference."
+          : !r->is_named                       ? "No mistake of the list explains the difference. The nearest: "
+          : r->lowest_jod < NQM_CONFORM_PASS   ? "Likely mistake: "
+                                               : "Likely mistake, which is not visible: ",
           out);
-    for (size_t i = 0; i < r->n_named; ++i) {
-        const suspect *s = &r->named[i];
+    for (size_t i = 0; i < r->n_mistakes; ++i) {
+        const nqm_conform_mistake *m = &r->mistakes[i];
         fprintf(out, "%s%s%s (with it: lowest JOD %.2f, and %.1f %% of the difference remains)",
                 i == 0   ? ""
                 : i == 1 ? between
                          : "; ",
-                i == 1 ? "Next: " : "", s->text, s->lowest, 100 * s->left / r->none);
+                i == 1 ? "Next: " : "", m->text, m->lowest_jod, 100 * m->remaining);
     }
-    if (!is_named(r) || r->named[0].lowest < conform_pass)
-        json_object_foreach(r->facts, name, fact)
-            fprintf(out, "%s%s", between, json_string_value(json_object_get(fact, "text")));
+    for (size_t i = 0; i < 3; ++i)
+        if (*facts[i] && (!r->is_named || r->mistakes[0].lowest_jod < NQM_CONFORM_PASS))
+            fprintf(out, "%s%s", between, facts[i]);
     fputc('\n', out);
 }
 
-static json_t *json_mistakes(const conform_result *r) {
+static json_t *json_mistakes(const nqm_conform_report *r) {
     json_t *list = json_array();
-    for (size_t i = 0; i < r->n_named; ++i)
-        json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "mistake", r->named[i].text, "lowest_jod",
-                                              json_number(r->named[i].lowest), "remaining",
-                                              json_number(r->named[i].left / r->none)));
+    for (const nqm_conform_mistake *m = r->mistakes; m < r->mistakes + r->n_mistakes; ++m)
+        json_array_append_new(list,
+                              json_row("mistake:s lowest_jod:f remaining:f", m->text, m->lowest_jod, m->remaining));
     return list;
+}
+
+static json_t *json_facts(const nqm_conform_report *r, size_t n_directions) {
+    static const char *const names[] = {"red", "green", "blue"};
+    const nqm_conform_largest *l = &r->largest;
+    const double pi = 3.14159265358979323846;
+    double deg[4];
+    json_t *facts = json_object();
+    for (size_t a = 0; a < 4; ++a)
+        deg[a] = l->angles_rad[a] * 180 / pi;
+    if (*r->sets)
+        json_set(facts, "sets:{text:s}", r->sets);
+    if (*r->angles)
+        json_set(facts, "angles:{text:s}", r->angles);
+    if (*r->most)
+        json_set(facts, "largest:{text:s set:z row:z channel:s ratio:f value:f right:f angles_deg:[ffff]}", r->most,
+                 l->set + 1, l->set * n_directions + l->direction + 1, names[l->channel], l->value / l->right, l->value,
+                 l->right, deg[0], deg[1], deg[2], deg[3]);
+    return facts;
 }
 
 /* ---- the sets ---------------------------------------------------------------------------------------------------- */
@@ -132,7 +107,7 @@ static void print_text(const conform_result *r, const row_summary *s) {
     char verdict[NQM_VERDICT_TEXT];
     const score_run *run = &r->run;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
-           shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit->n_directions, "[95 %]          ", "verdict",
+           shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit.n_directions, "[95 %]          ", "verdict",
            has_gate(&run->gate) ? "gate  " : "");
     for (size_t i = 0; i < s->summary.n_shown; ++i) {
         const scored_pair *row = &run->rows[s->summary.order[i]];
@@ -147,22 +122,22 @@ static void print_text(const conform_result *r, const row_summary *s) {
     }
     if (s->summary.n_shown < run->n_rows)
         printf("  ... %zu more sets\n", run->n_rows - s->summary.n_shown);
-    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", r->n_passed, run->n_rows, conform_pass,
-           r->lowest);
-    put_mistakes(stdout, r, "\n");
+    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", r->report.n_passed, run->n_rows,
+           NQM_CONFORM_PASS, r->report.lowest_jod);
+    put_mistakes(stdout, &r->report, "\n");
 }
 
 static void print_conform(const conform_result *r, const row_summary *s) {
     if (r->run.format == FORMAT_JSON) {
         json_t *document = json_scores(&r->run);
-        json_object_set_new(document, "lowest_jod", json_number(r->lowest));
-        json_object_set_new(document, "mistakes", json_mistakes(r));
-        json_object_set(document, "facts", r->facts);
+        json_object_set_new(document, "lowest_jod", json_number(r->report.lowest_jod));
+        json_object_set_new(document, "mistakes", json_mistakes(&r->report));
+        json_object_set_new(document, "facts", json_facts(&r->report, r->kit.n_directions));
         print_json(document);
         return;
     }
     if (r->run.format == FORMAT_QUIET)
-        puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
+        puts(r->report.is_named ? r->report.mistakes[0].text : r->report.difference > 0 ? "unknown" : "none");
     if (r->run.format == FORMAT_TEXT)
         print_text(r, s);
 }
@@ -176,7 +151,7 @@ static void write_conform_reports(const conform_result *r, const row_summary *s)
     open_output(markdown, &out);
     print_batch_markdown(&s->summary, out.stream);
     fputc('\n', out.stream);
-    put_mistakes(out.stream, r, "\n\n");
+    put_mistakes(out.stream, &r->report, "\n\n");
     close_output(&out);
 }
 
@@ -193,102 +168,158 @@ static void report_values(const score_run *run) {
         report(EXIT_OK, "%zu values have a negative channel, which counts as 0", n_clamped);
 }
 
-/* The result; name: of the values. */
-static void compare(conform_result *r, const char *name, const float *values) {
-    const suspect none = {.n_flaws = 0};
-    const conform_kit *kit = r->kit;
-    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    bool fails[KIT_MAX_SETS];
-    r->run.options = plain_score_options();
-    r->lowest = score_values(kit, values, &none, results);
-    make_rows(r, name, results);
-    for (size_t set = 0; set < kit->n_sets; ++set) {
-        fails[set] = !(results[set].jod >= conform_pass);
-        r->n_passed += !fails[set];
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+static size_t count_rows(const nqm_conform_info *kit) {
+    return kit->n_sets * kit->n_directions;
+}
+
+static _Noreturn void stop_count(const nqm_conform_info *kit, const char *name, size_t n) {
+    stop(EXIT_INCOMPATIBLE,
+         "%s has %zu values, and the kit has %zu rows: %zu sets of %zu directions; give the same --keys", name, n,
+         count_rows(kit), kit->n_sets, kit->n_directions);
+}
+
+/* A field as shaders print it: also nan, inf and -nan(ind), which are no value. */
+static float read_field(const nqm_csv *csv, size_t row, int column) {
+    const char *text = nqm_csv_text(csv, row, column);
+    const char *word = text + (*text == '-' || *text == '+');
+    double value;
+    const bool is_nan = strncasecmp(word, "nan", 3) == 0 && (!word[3] || word[3] == '(');
+    if (is_nan || strcasecmp(word, "inf") == 0 || strcasecmp(word, "infinity") == 0)
+        return NAN;
+    must(nqm_csv_number(csv, row, column, &value, &fault));
+    return (float)value;
+}
+
+static void read_csv(const nqm_conform_info *kit, const nqm_map *map, const char *name, float *values) {
+    nqm_csv *csv;
+    must(nqm_csv_parse((const char *)map->data, map->n_bytes, name, &csv, &fault));
+    const int column[3] = {nqm_csv_column(csv, "r"), nqm_csv_column(csv, "g"), nqm_csv_column(csv, "b")};
+    if (column[0] < 0 || column[1] < 0 || column[2] < 0)
+        stop(EXIT_MALFORMED, "%s: line 1 must name the columns r, g and b", name);
+    if (nqm_csv_rows(csv) != count_rows(kit))
+        stop_count(kit, name, nqm_csv_rows(csv));
+    for (size_t row = 0; row < count_rows(kit); ++row)
+        for (size_t c = 0; c < 3; ++c)
+            values[3 * row + c] = read_field(csv, row, column[c]);
+    nqm_csv_free(csv);
+}
+
+static void read_npy(const nqm_conform_info *kit, const nqm_map *map, float *values) {
+    nqm_tensor tensor;
+    must(nqm_npy_parse(map, &tensor, &fault));
+    const size_t n = nqm_tensor_count(&tensor), n_each = nqm_dtype_size(tensor.dtype);
+    const unsigned char *data = tensor.data;
+    if (n != 3 * count_rows(kit) || tensor.n_dims < 2 || tensor.dims[tensor.n_dims - 1] != 3)
+        stop_count(kit, map->path, n / 3);
+    for (size_t i = 0; i < n; ++i)
+        values[i] = n_each == 4 ? nqm_load_f32(data + 4 * i) : (float)nqm_load_f64(data + 8 * i);
+}
+
+static float *read_file(const nqm_conform_info *kit, const char *path, const char *name) {
+    nqm_map map;
+    float *values = allocate(3 * count_rows(kit), sizeof *values);
+    must(nqm_map_open(path, &map, &fault));
+    if (nqm_npy_probe(&map))
+        read_npy(kit, &map, values);
+    else
+        read_csv(kit, &map, name, values);
+    nqm_map_close(&map);
+    return values;
+}
+
+/* Values of all sets, (n_sets, n_directions, 3) float; free() it. path: a CSV with the columns r, g, b, or an array of NumPy. */
+static float *read_results(const nqm_conform_info *kit, const char *path) {
+    const char *stream = stream_name(path, &(size_t){0});
+    return read_file(kit, path, *stream ? stream : path);
+}
+
+/* ---- a command --------------------------------------------------------------------------------------------------- */
+
+static pid_t start(const char *line, FILE *in, FILE *out) {
+    const pid_t child = fork();
+    if (child > 0)
+        setpgid(child, child);
+    if (child != 0)
+        return child;
+    setpgid(0, 0); /* Ctrl-C ends all that the shell has started */
+    dup2(fileno(in), STDIN_FILENO);
+    dup2(fileno(out), STDOUT_FILENO);
+    execl("/bin/sh", "sh", "-c", line, (char *)NULL);
+    _exit(127);
+}
+
+/* Wait for a command, and end it at Ctrl-C, or when its output is longer than any list of values. A command that does not end when it
+ * is asked to is killed. Returns its status. */
+static int await(pid_t child, FILE *out, size_t n_rows) {
+    enum { STEP_NS = 10000000, PATIENCE = 15 };
+    const off_t most = (off_t)(1 << 20) + (off_t)n_rows * 256;
+    size_t n_asked = 0;
+    int status = 0;
+    struct stat st;
+    note_child(child);
+    while (waitpid(child, &status, WNOHANG) == 0) { /* any thread may get the signal of Ctrl-C */
+        const bool is_long = fstat(fileno(out), &st) == 0 && st.st_size > most;
+        if (interrupted() || is_long)
+            kill(-child, n_asked++ < PATIENCE ? SIGTERM : SIGKILL);
+        nanosleep(&(struct timespec){.tv_nsec = STEP_NS}, NULL);
     }
-    r->n_named = find_suspects(kit, values, N_NAMED, r->named, &r->none);
-    for (size_t i = 0; i < r->n_named; ++i)
-        r->named[i].lowest = score_values(kit, values, &r->named[i], results);
-    if (r->n_passed == kit->n_sets && !is_named(r)) { /* rounding */
-        r->n_named = 0;
-        r->none = 0;
-    }
-    r->facts = list_facts(kit, values, fails);
-    free(results);
+    note_child(0);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (fstat(fileno(out), &st) == 0 && st.st_size > most)
+        stop(EXIT_LIMIT, "the command has printed more than %lld bytes, and %zu rows of r,g,b are wanted",
+             (long long)most, n_rows);
+    return status;
+}
+
+/* The same from a command of the shell, which gets the rows of the kit and prints such a CSV. */
+static float *run_command(const nqm_conform_kit *kit, const nqm_conform_info *info, const char *line) {
+    FILE *in = tmpfile(), *out = tmpfile();
+    char path[32];
+    if (!in || !out)
+        stop(EXIT_OPEN, "--command needs a folder for temporary files: %s", strerror(errno));
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(in));
+    must(nqm_conform_kit_write(kit, "csv", path, &fault));
+    const pid_t child = start(line, in, out);
+    if (child < 0)
+        stop(EXIT_LIMIT, "the command cannot be started: %s", strerror(errno));
+    const int status = await(child, out, count_rows(info));
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line, WIFEXITED(status) ? "exit code" : "signal",
+             WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(out));
+    float *values = read_file(info, path, "the output of the command");
+    fclose(in);
+    fclose(out);
+    return values;
 }
 
 /* ---- --self ------------------------------------------------------------------------------------------------------ */
 
-/* A copy whose inputs are rounded to float32. */
-static conform_kit *round_kit(const conform_kit *kit) {
-    conform_kit *rounded = copy_kit(kit, 1);
-    for (size_t i = 0; i < 6 * KIT_TURNS * kit->n_directions; ++i)
-        rounded->directions[i] = (double)(float)kit->directions[i];
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        for (size_t k = 0; k < kit->model->schema->n_keys; ++k)
-            for (size_t c = 0; c < 3; ++c)
-                rounded->sets[set].values.v[k][c] = (double)(float)kit->sets[set].values.v[k][c];
-    return rounded;
-}
-
-/* Prove the kit: the model's own values, from directions and parameters in float32 as a shader gets them, pass, and each mistake is
- * named from its values. Returns the exit code. */
-static int prove_kit(const conform_kit *kit, result_format format) {
-    const double noticed = 1e-4;
-    size_t n, n_seen = 0, n_first = 0, n_three = 0;
-    suspect *list = list_suspects(kit, &n);
-    conform_kit *rounded = round_kit(kit);
-    double *left = allocate(n * n, sizeof *left);
+/* Print the proof of the kit. Returns the exit code. */
+static int prove_kit(const nqm_conform_kit *kit, const nqm_conform_info *info, result_format format) {
+    nqm_conform_proof proof;
+    must(nqm_conform_prove(kit, show_progress, NULL, &proof, &fault));
+    end_progress();
     json_t *missed = json_array();
-    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
-    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        sample_suspect(rounded, set, &list[0], values + 3 * set * kit->n_directions);
-    const double lowest = score_values(kit, values, &list[0], results);
-    compare_suspects(kit, n, list, &(suspect_targets){.n = n, .planted = rounded}, left);
-    for (size_t t = 1; t < n; ++t) {
-        if (left[t * n] < noticed) /* this model does not have it */
-            continue;
-        size_t rank = 0; /* those with equal values (to float32) count as itself */
-        for (size_t other = 0; other < n; ++other)
-            rank += left[t * n + other] < left[t * n + t] - 1e-6;
-        ++n_seen;
-        n_first += rank == 0;
-        n_three += rank < 3;
-        describe_suspect(kit, &list[t]);
-        if (rank)
-            json_array_append_new(missed, json_string(list[t].text));
-    }
-    const bool passes = lowest >= conform_pass && 10 * n_first >= 9 * n_seen && 100 * n_three >= 98 * n_seen;
-    json_t *document =
-        json_pack("{s:s,s:I,s:I,s:o,s:I,s:I,s:I,s:o,s:b}", "model", kit->model->schema->model, "sets",
-                  (json_int_t)kit->n_sets, "directions", (json_int_t)kit->n_directions, "lowest_jod",
-                  json_number(lowest), "mistakes", (json_int_t)n_seen, "named_first", (json_int_t)n_first,
-                  "named_in_three", (json_int_t)n_three, "not_first", missed, "passes", passes);
+    for (char *line = strtok(proof.missed, "\n"); line; line = strtok(NULL, "\n"))
+        json_array_append_new(missed, json_string(line));
+    json_t *document = json_row("model:s sets:z directions:z lowest_jod:f mistakes:z named_first:z named_in_three:z "
+                                "not_first:o passes:b",
+                                info->model, info->n_sets, info->n_directions, proof.lowest_jod, proof.n_mistakes,
+                                proof.n_first, proof.n_three, missed, proof.passes);
     if (format == FORMAT_JSON)
         print_document(document);
     else
         print_members(document);
-    free_kit_copy(rounded);
-    free(results);
-    free(values);
-    free(left);
-    free(list);
-    return passes ? EXIT_OK : EXIT_GATE;
+    return proof.passes ? EXIT_OK : EXIT_GATE;
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static const choice models[] = {{"gltf", "[VALUES]", "glTF 2.0 with specular, ior, anisotropy, sheen, clearcoat"},
-                                {"open-pbr", "[VALUES]", "OpenPBR Surface 1.1 by MaterialX"},
-                                {"standard-surface", "[VALUES]", "Autodesk Standard Surface by MaterialX"},
-                                {"usd-preview", "[VALUES]", "UsdPreviewSurface by MaterialX"},
-                                {"disney", "[VALUES]", "Disney Principled by MaterialX"},
-                                {"principled", "[VALUES]", "Mitsuba 3's principled"},
-                                {"rough-conductor", "[VALUES]", "Mitsuba 3's roughconductor"},
-                                {"rough-plastic", "[VALUES]", "Mitsuba 3's roughplastic"},
-                                {"pbrt-conductor", "[VALUES]", "pbrt-v4's conductor"},
-                                {0}};
+static choice models[32]; /* name_models() fills it */
 
 static const char *keys, *rows, *shader, *shell;
 static bool is_self;
@@ -304,7 +335,7 @@ static const option options[] = {
      "parameters that the shader has, with commas; the others keep their defaults. Of the kit and of its VALUES alike",
      0, 0},
     {"self", 0, OPTION_FLAG, &is_self, NULL, "prove the kit: nqm's own values, and those of each mistake", 0, 0},
-    {"worst", 0, OPTION_COUNT, &n_worst, "N", "sets to print; 0: all", 0, KIT_MAX_SETS},
+    {"worst", 0, OPTION_COUNT, &n_worst, "N", "sets to print; 0: all", 0, 1000},
     OPTION_ROWS_GATE(&result.run.gate),
     {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per set", 0, 0},
     {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0, 0},
@@ -335,39 +366,59 @@ static void check_usage(int n_arguments) {
         stop(EXIT_USAGE, "give VALUES or --command, or write the kit with --directions or --shader, or --self");
 }
 
+/* The shading models, and their other names. */
+static void name_models(void) {
+    nqm_translate_model m = nqm_translate_target(0);
+    for (size_t i = 0, n = 0; m.name; m = nqm_translate_target(++i)) {
+        models[n++] = (choice){m.name, "[VALUES]", m.about};
+        if (m.alias)
+            models[n++] = (choice){m.alias, "[VALUES]", must_have(nqm_strdupf("the same as %s", m.name))};
+    }
+}
+
+/* Compare the values, which have a name, print what is found and write reports. Returns the exit code. */
+static int compare(const nqm_conform_kit *kit, const char *name, const float *values) {
+    conform_result *r = &result;
+    row_summary s;
+    nqm_score_result *results = allocate(r->kit.n_sets, sizeof *results);
+    must(nqm_conform_compare(kit, values, show_progress, NULL, results, &r->report, &fault));
+    end_progress();
+    r->run.options = plain_score_options();
+    make_rows(r, kit, name, results);
+    summarise_rows(&r->run, name, n_worst ? (size_t)n_worst : r->kit.n_sets, &s);
+    print_conform(r, &s);
+    write_conform_reports(r, &s);
+    report_values(&r->run);
+    const int exit_code = apply_gate(&r->run, report_faults(&r->run));
+    free_row_summary(&s);
+    free(results);
+    return exit_code;
+}
+
 int cmd_conform(int argc, char **argv) {
+    name_models();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     check_usage(n_arguments);
-    conform_kit *kit = make_kit(argv[0], keys);
+    nqm_conform_kit *kit;
     int exit_code = EXIT_OK;
-    if (rows) {
-        output_file out;
-        open_output(rows, &out);
-        write_kit_rows(kit, out.stream);
-        close_output(&out);
-    }
+    result.run.model = open_model(NULL);
+    must(nqm_conform_kit_create(argv[0], keys, result.run.model, &kit, &fault));
+    const nqm_conform_info *info = &result.kit;
+    result.kit = nqm_conform_kit_get_info(kit, 0);
+    if (rows)
+        must(nqm_conform_kit_write(kit, "csv", output_path(rows), &fault));
     if (shader)
-        write_kit_shader(kit, shader);
+        must(nqm_conform_kit_write(kit, strrchr(shader, '.') ? NULL : "glsl", output_path(shader), &fault));
     if (is_self)
-        exit_code = prove_kit(kit, result.run.format);
+        exit_code = prove_kit(kit, info, result.run.format);
     if (shell || n_arguments == 2) {
-        float *values = shell ? run_command(kit, shell) : read_results(kit, input_path(argv[1]));
-        result.kit = kit;
-        result.n_shown = n_worst ? (size_t)n_worst : KIT_MAX_SETS;
-        compare(&result, shell ? shell : argv[1], values);
-        row_summary s;
-        summarise_rows(&result.run, result.run.ref_name, result.n_shown, &s);
-        print_conform(&result, &s);
-        write_conform_reports(&result, &s);
-        free_row_summary(&s);
-        report_values(&result.run);
-        exit_code = apply_gate(&result.run, report_faults(&result.run));
-        free(result.run.rows);
-        json_decref(result.facts);
+        float *values = shell ? run_command(kit, info, shell) : read_results(info, input_path(argv[1]));
+        exit_code = compare(kit, shell ? shell : argv[1], values);
         free(values);
-    } else if (!is_self)
-        report(EXIT_OK, "%zu sets of %zu directions: %zu values", kit->n_sets, kit->n_directions,
-               kit->n_sets * kit->n_directions);
-    free_kit(kit);
+    }
+    if (rows || shader)
+        report(EXIT_OK, "%zu sets of %zu directions: %zu values", info->n_sets, info->n_directions, count_rows(info));
+    nqm_conform_kit_free(kit);
+    nqm_model_free(result.run.model);
     return exit_code;
 }

@@ -3,15 +3,16 @@
  * The parameter sets of a kit, made from the schema of the model: sweeps of each key with its layer switched on, metals, and random
  * combinations of ends, defaults and values in between. Lobes are not narrower than shaders evaluate well in float32.
  */
+#include "conform/conform.h"
+
 #include "fit/fit.h"
-#include "nqm/conform/conform.h"
+#include "math/math.h"
+#include <nqm/samples.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
-const double kit_turns_deg[KIT_TURNS] = {0, 90, 40};
+const double nqm_conform_azimuths_deg[NQM_CONFORM_AZIMUTHS] = {0, 90, 40};
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
 
@@ -78,20 +79,22 @@ static nqm_values base_of(const nqm_schema *schema) {
 /* ---- sets -------------------------------------------------------------------------------------------------------- */
 
 /* The keys of a list with commas; required ones are always among them. */
-static uint64_t choose_keys(const nqm_schema *schema, const char *list) {
-    uint64_t keys = list ? 0 : UINT64_MAX;
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        keys |= (uint64_t)schema->keys[k].required << k;
+static nqm_status choose_keys(const nqm_schema *schema, const char *list, uint64_t *keys, nqm_error *err) {
+    char names[512] = "";
+    *keys = list ? 0 : UINT64_MAX;
+    for (size_t k = 0, used = 0; k < schema->n_keys; ++k) {
+        *keys |= (uint64_t)schema->keys[k].required << k;
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? ", " : "", schema->keys[k].name);
+    }
     for (const char *word = list; word && *word;) {
-        const size_t n = strcspn(word, ",");
-        const size_t k = nqm_schema_key_named(schema, word, n);
+        const size_t n = strcspn(word, ","), k = nqm_schema_key_named(schema, word, n);
         if (k == schema->n_keys)
-            stop(EXIT_USAGE, "--keys: %s has no '%.*s'; `nqm conform %s --directions -` has all in its first line",
-                 schema->model, (int)n, word, schema->model);
-        keys |= (uint64_t)1 << k;
+            return nqm_fail(err, NQM_ERR_ARG, -1, "keys: %s has no '%.*s'; it has %s", schema->model,
+                            (int)nqm_smaller(n, 60), word, names);
+        *keys |= (uint64_t)1 << k;
         word += n + (word[n] == ',');
     }
-    return keys;
+    return NQM_OK;
 }
 
 /* Whether a key describes a layer that is off. Shaders evaluate such layers, too: their widths are not 0, where that
@@ -103,8 +106,8 @@ static bool is_idle(const nqm_schema *schema, const nqm_values *values, size_t k
 }
 
 /* Add a set, in which idle keys have their values of the base, and keys that the shader lacks their defaults. */
-static void add_set(conform_kit *kit, const nqm_values *base, const nqm_values *values) {
-    const nqm_schema *schema = kit->model->schema;
+static void add_set(nqm_conform_kit *kit, const nqm_values *base, const nqm_values *values) {
+    const nqm_schema *schema = kit->schema;
     nqm_values kept = *values;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         if (is_idle(schema, &kept, k))
@@ -115,20 +118,13 @@ static void add_set(conform_kit *kit, const nqm_values *base, const nqm_values *
     for (size_t s = 0; s < kit->n_sets; ++s)
         if (memcmp(kit->sets[s].values.v, kept.v, sizeof kept.v) == 0)
             return;
-    if (kit->n_sets < KIT_MAX_SETS)
+    if (kit->n_sets < NQM_CONFORM_MAX_SETS)
         kit->sets[kit->n_sets++].values = kept;
 }
 
-/* A rotation shows on anisotropic lobes only. */
-static void set_amounts(const nqm_schema *schema, nqm_values *values) {
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        if (schema->keys[k].role == NQM_ROLE_ANISOTROPY || schema->keys[k].role == NQM_ROLE_COAT_ANISOTROPY)
-            set_key(schema, values, k, 0.8);
-}
-
-/* Sweep a key: of a dielectric, and once of a metal. */
-static void add_sweep(conform_kit *kit, const nqm_values *base, size_t k) {
-    const nqm_schema *schema = kit->model->schema;
+/* Sweep a key: of a dielectric, and once of a metal. An azimuth shows on anisotropic lobes only. */
+static void add_sweep(nqm_conform_kit *kit, const nqm_values *base, size_t k) {
+    const nqm_schema *schema = kit->schema;
     const size_t layer = nqm_schema_layer_of(schema, k), metal = nqm_schema_key_of(schema, NQM_ROLE_METAL);
     for (size_t i = 0; i < 4; ++i) {
         static const double at[] = {0, 0.5, 1, 0.3};
@@ -139,15 +135,16 @@ static void add_sweep(conform_kit *kit, const nqm_values *base, size_t k) {
             set_equal(&values, metal, 1);
         if (layer != k)
             set_equal(&values, layer, 1);
-        if (schema->keys[k].low < 0)
-            set_amounts(schema, &values);
+        for (size_t j = 0; j < schema->n_keys && nqm_schema_is_azimuth(schema->keys[k].role); ++j)
+            if (nqm_schema_is_anisotropic(schema->keys[j].role) && !nqm_schema_is_azimuth(schema->keys[j].role))
+                set_key(schema, &values, j, 0.8);
         set_key(schema, &values, k, at[i]);
         add_set(kit, base, &values);
     }
 }
 
-static void add_random(conform_kit *kit, const nqm_values *base, nqm_rng *rng) {
-    const nqm_schema *schema = kit->model->schema;
+static void add_random(nqm_conform_kit *kit, const nqm_values *base, nqm_rng *rng) {
+    const nqm_schema *schema = kit->schema;
     nqm_values values = *base;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const double kind = nqm_rng_uniform(rng), t = nqm_rng_uniform(rng);
@@ -160,37 +157,41 @@ static void add_random(conform_kit *kit, const nqm_values *base, nqm_rng *rng) {
     add_set(kit, base, &values);
 }
 
-/* Turn anisotropic sets in turn, mark what differs from the defaults, and write the specs. */
-static void finish_sets(conform_kit *kit) {
-    const nqm_schema *schema = kit->model->schema;
+/* Give anisotropic sets one azimuth after the other, mark what differs from the defaults, and write the specs; false: out of memory. */
+static bool finish_sets(nqm_conform_kit *kit) {
     size_t n_anisotropic = 0;
-    for (size_t s = 0; s < kit->n_sets; ++s) {
-        kit_set *set = &kit->sets[s];
-        for (size_t k = 0; k < schema->n_keys; ++k) {
-            const nqm_schema_key *key = &schema->keys[k];
-            for (size_t c = 0; c < key->n && !is_idle(schema, &set->values, k); ++c)
-                if (key->required || set->values.v[k][c] != key->fallback)
+    double *column = kit->columns;
+    for (nqm_kit_set *set = kit->sets; set < kit->sets + kit->n_sets; ++set) {
+        for (size_t k = 0; k < kit->schema->n_keys; ++k) {
+            const nqm_schema_key *key = &kit->schema->keys[k];
+            const bool counts = !is_idle(kit->schema, &set->values, k);
+            for (size_t c = 0; c < key->n; ++c) {
+                *column++ = set->values.v[k][c];
+                if (counts && (key->required || set->values.v[k][c] != key->fallback))
                     set->values.given |= (uint64_t)1 << k;
+            }
         }
         if (!nqm_values_are_isotropic(&set->values))
-            set->turn = n_anisotropic++ % KIT_TURNS;
-        snprintf(set->name, sizeof set->name, "set %zu", s + 1);
+            set->azimuth = n_anisotropic++ % NQM_CONFORM_AZIMUTHS;
         char *spec = nqm_values_spec(&set->values);
-        set->spec =
-            must_have(spec && set->turn ? nqm_strdupf("rotate:deg=%g;of=%s", -kit_turns_deg[set->turn], spec) : spec);
+        set->spec = spec && set->azimuth
+                        ? nqm_strdupf("rotate:deg=%g;of=%s", -nqm_conform_azimuths_deg[set->azimuth], spec)
+                        : spec;
         if (set->spec != spec)
             nqm_free(spec);
+        if (!set->spec)
+            return false;
     }
+    return true;
 }
 
-static void turn_directions(conform_kit *kit, const nqm_directions *directions) {
-    kit->directions = allocate(6 * KIT_TURNS * kit->n_directions, sizeof *kit->directions);
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        const double angle = kit_turns_deg[turn] * NQM_PI / 180, c = turn ? cos(angle) : 1, s = turn ? sin(angle) : 0;
+static void rotate_directions(nqm_conform_kit *kit, const nqm_directions *directions) {
+    for (size_t i = 0; i < NQM_CONFORM_AZIMUTHS; ++i) {
+        const double angle = nqm_conform_azimuths_deg[i] * NQM_PI / 180, c = i ? cos(angle) : 1, s = i ? sin(angle) : 0;
         for (size_t side = 0; side < 2; ++side) {
             const double *from = side ? nqm_directions_get_info(directions).wo : nqm_directions_get_info(directions).wi;
-            double *to = kit_directions(kit, turn, side);
-            for (size_t i = 0; i < kit->n_directions; ++i, from += 3, to += 3) {
+            double *to = nqm_conform_directions(kit, i, side), *end = to + 3 * kit->n_directions;
+            for (; to < end; from += 3, to += 3) {
                 to[0] = c * from[0] - s * from[1];
                 to[1] = s * from[0] + c * from[1];
                 to[2] = from[2];
@@ -199,48 +200,84 @@ static void turn_directions(conform_kit *kit, const nqm_directions *directions) 
     }
 }
 
-conform_kit *make_kit(const char *model, const char *keys) {
+static void fill_sets(nqm_conform_kit *kit, bool has_all_keys) {
     enum { N_RANDOM = 24, N_LEAST = 64 };
-    conform_kit *kit = allocate(1, sizeof *kit);
-    kit->model = nqm_analytic_model_find(model, strlen(model));
-    kit->keys = choose_keys(kit->model->schema, keys);
-    kit->metric = open_model(NULL);
-    const nqm_directions *directions = nqm_model_get_info(kit->metric).directions;
-    kit->n_directions = nqm_directions_get_info(directions).n;
-    turn_directions(kit, directions);
-    const nqm_values base = base_of(kit->model->schema);
+    const nqm_values base = base_of(kit->schema);
     add_set(kit, &base, &base);
-    for (size_t k = 0; k < kit->model->schema->n_keys; ++k)
+    for (size_t k = 0; k < kit->schema->n_keys; ++k)
         add_sweep(kit, &base, k);
     nqm_rng rng = nqm_rng_make(1, 0);
-    const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, keys ? 0 : N_LEAST), KIT_MAX_SETS);
+    const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, has_all_keys ? N_LEAST : 0), NQM_CONFORM_MAX_SETS);
     for (size_t i = 0; kit->n_sets < n && i < 100 * n; ++i) /* few keys may not have as many sets */
         add_random(kit, &base, &rng);
-    finish_sets(kit);
-    return kit;
 }
 
-void free_kit(conform_kit *kit) {
-    for (size_t s = 0; s < kit->n_sets; ++s)
+/* ---- the kit ----------------------------------------------------------------------------------------------------- */
+
+static void name_columns(nqm_conform_kit *kit) {
+    size_t used = 0;
+    for (const nqm_schema_key *key = kit->schema->keys; key < kit->schema->keys + kit->schema->n_keys; ++key)
+        for (size_t c = 0; c < key->n; ++c, ++kit->n_columns)
+            used += (size_t)snprintf(kit->names + used, sizeof kit->names - used, key->n > 1 ? "%s%s_%c" : "%s%s",
+                                     used ? "," : "", key->name, (key->n == 3 ? "rgb" : "xy")[c]);
+}
+
+nqm_status nqm_conform_kit_create(const char *model, const char *keys, const nqm_model *metric,
+                                  nqm_conform_kit **kit_ret, nqm_error *err) {
+    NQM_MAKE(err, kit_ret, model, metric);
+    const nqm_schema *schema;
+    uint64_t chosen;
+    nqm_status status = nqm_schema_find_shading(model, &schema, err);
+    if (status == NQM_OK)
+        status = choose_keys(schema, keys, &chosen, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_conform_kit *kit = nqm_alloc(1, sizeof *kit);
+    if (!kit)
+        return nqm_fail_nomem(err, sizeof *kit);
+    const nqm_directions *directions = nqm_model_get_info(metric).directions;
+    kit->schema = schema;
+    kit->keys = chosen;
+    kit->metric = metric;
+    kit->n_directions = nqm_directions_get_info(directions).n;
+    name_columns(kit);
+    fill_sets(kit, keys == NULL);
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({&kit->directions, 6 * NQM_CONFORM_AZIMUTHS * kit->n_directions, sizeof *kit->directions},
+                   {&kit->columns, kit->n_sets * kit->n_columns, sizeof *kit->columns}),
+        err);
+    if (status == NQM_OK) {
+        rotate_directions(kit, directions);
+        if (!finish_sets(kit))
+            status = nqm_fail_nomem(err, sizeof *kit->sets);
+    }
+    if (status != NQM_OK)
+        nqm_conform_kit_free(kit);
+    else
+        *kit_ret = kit;
+    return status;
+}
+
+void nqm_conform_kit_free(nqm_conform_kit *kit) {
+    for (size_t s = 0; kit && s < kit->n_sets; ++s)
         nqm_free(kit->sets[s].spec);
-    nqm_model_free(kit->metric);
-    free_kit_copy(kit);
+    if (kit)
+        nqm_free(kit->directions);
+    nqm_free(kit);
 }
 
-conform_kit *copy_kit(const conform_kit *kit, size_t stride) {
-    conform_kit *copy = allocate(1, sizeof *copy);
-    *copy = *kit;
-    copy->n_directions = nqm_ceil_div(kit->n_directions, stride);
-    copy->directions = allocate(6 * KIT_TURNS * copy->n_directions, sizeof *copy->directions);
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn)
-        for (size_t side = 0; side < 2; ++side)
-            for (size_t i = 0; i < copy->n_directions; ++i)
-                memcpy(kit_directions(copy, turn, side) + 3 * i, kit_directions(kit, turn, side) + 3 * stride * i,
-                       3 * sizeof *copy->directions);
-    return copy;
-}
-
-void free_kit_copy(conform_kit *copy) {
-    free(copy->directions);
-    free(copy);
+nqm_conform_info nqm_conform_kit_get_info(const nqm_conform_kit *kit, size_t set) {
+    assert(kit);
+    nqm_conform_info info = {.model = kit->schema->model,
+                             .n_sets = kit->n_sets,
+                             .n_directions = kit->n_directions,
+                             .n_columns = kit->n_columns,
+                             .columns = kit->names};
+    if (set < kit->n_sets) {
+        info.spec = kit->sets[set].spec;
+        info.values = kit->columns + set * kit->n_columns;
+        info.light = nqm_conform_directions(kit, kit->sets[set].azimuth, 0);
+        info.viewer = nqm_conform_directions(kit, kit->sets[set].azimuth, 1);
+    }
+    return info;
 }
