@@ -3,6 +3,7 @@
  * Fuzz target: the labels of a dataset in the authors' layout, whose folder has one material. An accepted dataset has a pair for
  * each row, with the JOD of that row.
  */
+#include "sample/sample.h"
 #include "fuzz.h"
 
 #include <nqm/brdf.h>

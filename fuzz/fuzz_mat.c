@@ -3,6 +3,7 @@
  * Fuzz target: MAT v5 files. Values that are read must be finite, failures must set a message, and no input may cause a
  * large allocation (limit of libFuzzer, run.sh).
  */
+#include "sample/sample.h"
 #include "fuzz.h"
 #include "io/io.h"
 

@@ -4,6 +4,7 @@
  * range gives a BRDF without NaN or negative values.
  */
 #define _GNU_SOURCE /* memfd_create */
+#include "material/material.h"
 #include "brdf/brdf.h"
 #include "fuzz.h"
 

@@ -46,8 +46,7 @@ typedef struct nqm_material_info {
  * @return NQM_ERR_IO, NQM_ERR_FORMAT (malformed, not a material file, or without any material), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, nqm_error *err);
-NQM_API size_t nqm_materials_count(const nqm_materials *materials);
-/** Material i, i < nqm_materials_count(). */
+/** Material i; its name is NULL if there are fewer. */
 NQM_API nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i);
 /** Free; NULL is allowed. */
 NQM_API void nqm_materials_free(nqm_materials *materials);

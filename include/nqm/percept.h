@@ -21,9 +21,8 @@ typedef struct nqm_curve {
     double b1, b2, b3;
 } nqm_curve;
 
-/** The coefficients behind the authors' published labels, in full precision. */
-NQM_API nqm_curve nqm_curve_default(void);
-/** JOD in [0, 10]; Delta-E 0 (or less) gives exactly 10. */
+/** JOD in [0, 10]; Delta-E 0 (or less) gives exactly 10. curve NULL: the coefficients behind the authors' published labels, which are
+ *  those of labels everywhere. */
 NQM_API double nqm_curve_jod(const nqm_curve *curve, double delta_e);
 
 typedef struct nqm_regress_report {
@@ -55,10 +54,9 @@ enum { NQM_LABEL_TEXT = 160 };
 
 /** What a label says. */
 typedef struct nqm_label_info {
-    double
-        jod_error; /**< standard error of nqm_curve_default() at delta_e: half of the change of the JOD from delta_e - error to
+    double jod_error; /**< standard error of the JOD at delta_e: half of the change of the JOD from delta_e - error to
                            delta_e + error */
-    /** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_default() at the root mean square
+    /** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_jod() at the root mean square
      *  Delta-E ITP that remains after 85 % of the shift is subtracted, sqrt(structure^2 + (0.15 |shift|)^2). Indices of
      *  colour constancy in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). Not fitted to
      *  answers of people: nqm_score_result.similarity is. NaN if a part is NaN. */

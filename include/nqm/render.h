@@ -97,20 +97,14 @@ NQM_API nqm_scene_info nqm_scene_get_info(const nqm_scene *scene);
  *  use the same points and light directions, so that equal BRDFs give bit-identical pictures. Deterministic for any number
  *  of threads. Light at directions where the BRDF has no value (NQM_VALUE_INVALID) is not reflected: the picture is too dark there.
  *
+ * @param with_halves  1: rgb_cdm2 (3, n_points, 3) also receives what either half of the light directions alone shows. The halves differ
+ *                     by the noise that is left in the picture, which nqm_scene_label() measures and takes off
  * @param valid_ret  receives the fraction of the light of the scene, by luminance, that falls at directions where the BRDF has a
  *                   value: 1 without holes, also when that is less than options.min_valid; NULL allowed
  * @return NQM_ERR_INCOMPATIBLE (less than options.min_valid), NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_CANCELLED,
  *         NQM_ERR_NOMEM */
-NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
-                                                   double *valid_ret, nqm_error *err);
-/** The same, followed by what either half of the light directions alone shows: rgb_cdm2 (3, n_points, 3). The halves differ by the
- *  noise that is left in the picture, which nqm_scene_label() measures and takes off.
- *
- * @param beside  where this BRDF has no value, `brdf` counts as without one, too; NULL: none */
-NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf,
-                                                          const nqm_brdf *beside, double *rgb_cdm2, double *valid_ret,
-                                                          nqm_error *err);
-
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, int with_halves,
+                                                   double *rgb_cdm2, double *valid_ret, nqm_error *err);
 /* ---- random pictures --------------------------------------------------------------------------------------------- */
 
 /** A random picture of few points of a scene, as the rays whose BRDF values make it: point p reflects the sum of weight times

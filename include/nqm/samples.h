@@ -109,17 +109,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_dir
                                              nqm_invalid_policy policy, float *rgb, uint8_t *flag,
                                              nqm_sample_report *report, nqm_error *err);
 
-/**
- * Write samples as the paper's authors store them: a MAT v5 file with r, g, b (n x 1) and random_locations (n x 3:
- * theta_h, theta_d, phi_d in degrees). Equal samples make equal files.
- *
- * @param rgb   (n, 3) f_r in 1/sr, finite
- * @param path  the file appears under its name only when complete
- * @return NQM_ERR_ARG (a value is not finite), NQM_ERR_IO, NQM_ERR_LIMIT, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb,
-                                                       const char *path, nqm_error *err);
-
 #ifdef __cplusplus
 }
 #endif

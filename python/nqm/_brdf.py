@@ -2,6 +2,7 @@
 """BRDFs: opened from files and specs, made from Python functions and arrays; directions and samples."""
 from __future__ import annotations
 
+import itertools
 import os
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
@@ -363,7 +364,7 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
     handle = c_void_p()
     call(lib.nqm_materials_open, encode(path), byref(handle))
     try:
-        rows = [lib.nqm_materials_get(handle, i) for i in range(lib.nqm_materials_count(handle))]
+        rows = list(itertools.takewhile(lambda row: row.name is not None, (lib.nqm_materials_get(handle, i) for i in itertools.count())))
         return tuple(MaterialInfo(decode(r.name) or "", decode(r.surface) or "", decode(r.spec), decode(r.refusal),
                                   r.n_maps, decode(r.remark), decode(r.unused), r.byte_offset if r.byte_offset >= 0 else None,
                                   decode(r.ignorable), decode(r.reflection)) for r in rows)

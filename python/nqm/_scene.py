@@ -98,7 +98,7 @@ class Scene:
         at directions of some of the light, which is then missing."""
         brdf = as_brdf(brdf)
         rgb, valid = np.empty((len(self), 3)), c_double()
-        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
+        call(lib.nqm_scene_render, self._handle, brdf._handle, 0, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
         if valid.value < 1:
             warnings.warn("%s has no value for directions of %.3g %% of the light, which is missing in the picture"
                           % (brdf.name, 100 * (1 - valid.value)), stacklevel=2)
@@ -107,7 +107,7 @@ class Scene:
     def _picture(self, brdf: BRDF) -> Tuple[_abi.ScenePicture, np.ndarray]:
         """The picture for `nqm_scene_label`, and its values, which it points to."""
         rgb, valid = np.empty((3, len(self), 3)), c_double()
-        call(lib.nqm_scene_render_halves, self._handle, brdf._handle, None, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
+        call(lib.nqm_scene_render, self._handle, brdf._handle, 1, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
         return _abi.ScenePicture(brdf._handle, address(rgb), valid), rgb
 
     def _label(self, pair: Tuple[BRDF, BRDF], pictures: Tuple[Any, Any], delta_e: Optional[np.ndarray] = None) -> Tuple[_abi.Label, float]:
@@ -148,7 +148,7 @@ class Scene:
         labels = []
         for test in map(as_brdf, tests if several else [tests]):
             label, valid = self._label((brdf, test), (seen, self._picture(test)))
-            jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
+            jod = lib.nqm_curve_jod(None, label.delta_e)
             info = lib.nqm_label_get_info(byref(label))
             labels.append(Label(brdf.name, test.name, jod, label.delta_e, info.adapted_jod, parts_of(label), label.error, info.jod_error,
                                 valid))

@@ -23,7 +23,7 @@ static void move_values(size_t n, float *rgb, uint8_t *used, size_t from, size_t
 }
 
 static nqm_status add_row(nqm_corpus *c, size_t row, nqm_dataset_builder *b, nqm_error *err) {
-    const nqm_curve curve = nqm_curve_default();
+    const nqm_curve curve = nqm_curve_published;
     const nqm_corpus_row *r = &c->list.rows[row];
     const size_t pair = b->dataset->n_pairs;
     uint32_t kind = 0;

@@ -6,6 +6,7 @@
 #include "corpus/corpus.h"
 #include "io/options_json.h"
 #include "math/math.h"
+#include "percept/percept.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -151,7 +152,7 @@ static json_t *references_json(const nqm_corpus *c, json_t *splits, json_t *sour
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static json_t *labels_json(void) {
-    nqm_curve curve = nqm_curve_default();
+    nqm_curve curve = nqm_curve_published;
     return json_pack("{s:s,s:s,s:[s],s:[f,f,f]}", "made_by", "nqm: Delta-E ITP of its own renderings, JOD by the curve",
                      "of", "this program, not of people", "authors_data_used",
                      "the curve from Delta-E to JOD (Kavoosighafi et al. 2025), in full precision", "curve", curve.b1,

@@ -5,6 +5,7 @@
  */
 #include "corpus/corpus.h"
 #include "math/math.h"
+#include "percept/percept.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -82,7 +83,7 @@ typedef struct selection {
 } selection;
 
 static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const selection *s, nqm_error *err) {
-    const nqm_curve curve = nqm_curve_default();
+    const nqm_curve curve = nqm_curve_published;
     size_t n = 0;
     for (size_t row = ref->first_row; row < ref->first_row + ref->n_rows; ++row) {
         const char *name = c->list.rows[row].family;

@@ -34,6 +34,8 @@ size_t nqm_materials_count(const nqm_materials *materials) {
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
     assert(materials);
+    if (i >= materials->n)
+        return (nqm_material_info){.name = NULL};
     nqm_material_info info = materials->list[i].info;
     info.n_maps = info.ignorable ? 0 : info.n_maps;
     return info;

@@ -31,6 +31,8 @@ typedef struct nqm_written_material {
 NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, nqm_written_material *materials, const char *path,
                                               nqm_outset *set, nqm_error *err);
 
+/** How many materials the file has. */
+size_t nqm_materials_count(const nqm_materials *materials);
 /** The numbers of the materials of that name, in the order of the file, and how many these are. */
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
 

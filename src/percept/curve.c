@@ -14,17 +14,13 @@
 /* Least-squares fit to the authors' 180 human scores; the paper prints the coefficients as (-14.11, -0.47, -0.21). */
 const nqm_curve nqm_curve_published = {-14.11196939758611, -0.47364347065458806, -0.21479944748134167};
 
-nqm_curve nqm_curve_default(void) {
-    return nqm_curve_published;
-}
-
 /* Logit of JOD / 10, for delta_e > 0. */
 static double logit(const nqm_curve *curve, double delta_e) {
     return curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
 }
 
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
-    assert(curve);
+    curve = curve ? curve : &nqm_curve_published;
     if (delta_e <= 0) /* the limit for b3 < 0, without computing 0 to a negative power */
         return 10;
     return 10 / (1 + exp(-logit(curve, delta_e))); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */

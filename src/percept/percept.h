@@ -85,7 +85,7 @@ typedef struct nqm_shown_pair {
 void nqm_picture_light_gradient(const nqm_picture_points *points, const nqm_label *weights, const nqm_shown_pair *pair,
                                 double *by_light);
 
-/** The value that nqm_curve_default() returns. */
+/** The coefficients behind the authors' published labels, in full precision. */
 extern const nqm_curve nqm_curve_published;
 
 /** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each, linear BT.709 RGB in cd/m2;

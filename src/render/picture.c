@@ -212,15 +212,16 @@ static nqm_status render_checked(const nqm_scene *scene, rendering r, double *va
     return status;
 }
 
-nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, double *valid_ret,
-                            nqm_error *err) {
+nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, int with_halves, double *rgb_cdm2,
+                            double *valid_ret, nqm_error *err) {
     NQM_REQUIRE(err, scene, brdf, rgb_cdm2);
+    if (with_halves)
+        return nqm_scene_render_halves(scene, brdf, NULL, rgb_cdm2, valid_ret, err);
     return render_checked(scene, (rendering){.brdf = brdf, .rgb_cdm2 = rgb_cdm2}, valid_ret, err);
 }
 
 nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf, const nqm_brdf *beside,
                                    double *rgb_cdm2, double *valid_ret, nqm_error *err) {
-    NQM_REQUIRE(err, scene, brdf, rgb_cdm2);
     const rendering r = {.brdf = brdf, .beside = beside, .rgb_cdm2 = rgb_cdm2, .stride = 3 * scene->seen.n};
     return render_checked(scene, r, valid_ret, err);
 }

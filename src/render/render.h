@@ -29,6 +29,9 @@ size_t nqm_scene_frames(const nqm_scene_options *options);
  *  for scenes with a width. */
 void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2);
 
+/** nqm_scene_render() with halves. beside: where this BRDF has no value, `brdf` counts as without one, too; NULL: none. */
+NQM_MUST_CHECK nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf, const nqm_brdf *beside,
+                                                  double *rgb_cdm2, double *valid_ret, nqm_error *err);
 /** Whether nqm_scene_render() makes the picture of this BRDF from a table of its values (nqm_table_picture). */
 bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf);
 

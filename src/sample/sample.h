@@ -55,4 +55,15 @@ extern const char *const nqm_invalid_words[];
 /** The options of nqm_directions_options. */
 extern const nqm_option_table nqm_directions_option_table;
 
+/**
+ * Write samples as the paper's authors store them: a MAT v5 file with r, g, b (n x 1) and random_locations (n x 3:
+ * theta_h, theta_d, phi_d in degrees). Equal samples make equal files.
+ *
+ * @param rgb   (n, 3) f_r in 1/sr, finite
+ * @param path  the file appears under its name only when complete
+ * @return NQM_ERR_ARG (a value is not finite), NQM_ERR_IO, NQM_ERR_LIMIT, NQM_ERR_NOMEM
+ */
+NQM_MUST_CHECK nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb, const char *path,
+                                               nqm_error *err);
+
 #endif

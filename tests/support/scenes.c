@@ -17,7 +17,7 @@ nqm_scene *make_scene(const nqm_scene_options *o) {
 double *render_scene(const nqm_scene *scene, const nqm_brdf *brdf) {
     double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 3 * sizeof *rgb);
     assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_scene_render(scene, brdf, 0, rgb, NULL, NULL), NQM_OK);
     return rgb;
 }
 

@@ -5,6 +5,8 @@
  * reference per material) and both CSVs. The encodings are perturbed presets; Delta-E is a function of their strength,
  * and JOD follows from the published curve, so that a regression gives the published coefficients.
  */
+#include "percept/percept.h"
+#include "sample/sample.h"
 #include <errno.h>
 #include <nqm/label.h>
 #include <stdbool.h>
@@ -57,7 +59,7 @@ static bool write_row(const part *p, size_t m, size_t e, const char *preset, FIL
     char spec[300], row[200];
     const char *material = strchr(preset, ':') + 1;
     double s = strength(m, e), delta_e = 2 + 90 * s;
-    nqm_curve curve = nqm_curve_default();
+    nqm_curve curve = nqm_curve_published;
     snprintf(row, sizeof row, "%.100s_%zu", material, e + 1);
     static const char *const forms[] = {"perturb:gloss=%g;of=%.100s", "perturb:tint=1,%g,1;of=%.100s",
                                         "perturb:scale=%g;of=%.100s"}; /* metrics rank these differently */

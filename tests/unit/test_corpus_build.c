@@ -71,7 +71,7 @@ static double label_of(const nqm_scene *scene, const char *ref, const char *test
         nqm_brdf *brdf;
         picture[i] = nqm_alloc(9 * nqm_scene_get_info(scene).n_points, sizeof **picture);
         assert_int_equal(nqm_fit_open(arguments[i], NULL, &brdf, NULL), NQM_OK);
-        assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, picture[i], NULL, NULL), NQM_OK);
+        assert_int_equal(nqm_scene_render(scene, brdf, 1, picture[i], NULL, NULL), NQM_OK);
         nqm_brdf_free(brdf);
     }
     const nqm_label label = nqm_scene_compare_halves(scene, picture[0], picture[1]);

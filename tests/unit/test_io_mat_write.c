@@ -4,6 +4,7 @@
  * file.
  */
 #include "io/io.h"
+#include "sample/sample.h"
 #include "support/check.h"
 
 #include <dirent.h>

@@ -32,7 +32,7 @@ static nqm_brdf *make(limits *l) {
 static nqm_scene_picture picture_of(const nqm_scene *scene, limits *l) {
     nqm_scene_picture p = {.brdf = make(l)};
     double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 9 * sizeof *rgb);
-    assert_int_equal(nqm_scene_render_halves(scene, p.brdf, NULL, rgb, &p.valid, NULL), NQM_OK);
+    assert_int_equal(nqm_scene_render(scene, p.brdf, 1, rgb, &p.valid, NULL), NQM_OK);
     p.rgb_cdm2 = rgb;
     return p;
 }
@@ -128,10 +128,10 @@ TEST(too_few_values_are_refused) {
     double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 9 * sizeof *rgb), valid = -1;
     nqm_brdf *brdf = make(&nothing);
     nqm_error err = {0};
-    assert_int_equal(nqm_scene_render(scene, brdf, rgb, &valid, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(nqm_scene_render(scene, brdf, 0, rgb, &valid, &err), NQM_ERR_INCOMPATIBLE);
     assert_true(valid == 0);
     assert_non_null(strstr(err.message, "holes: values at directions of 0.0 % of the light of the scene, and 90 %"));
-    assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, rgb, NULL, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(nqm_scene_render(scene, brdf, 1, rgb, NULL, &err), NQM_ERR_INCOMPATIBLE);
     nqm_brdf_free(brdf);
     /* each has enough, both together do not */
     nqm_scene_picture a = picture_of(scene, &high_sun), b = picture_of(scene, &steep_view);

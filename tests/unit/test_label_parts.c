@@ -4,6 +4,7 @@
  */
 #include "math/math.h"
 #include "metric/metric.h"
+#include "percept/percept.h"
 #include "render/render.h"
 #include "support/allocations.h"
 #include "support/check.h"
@@ -179,7 +180,7 @@ TEST(signs_of_the_parts) {
     for (int k = 0; k < 3; ++k)
         assert_true(equal.shift[k] == 0);
     /* Apart, a change of brightness matters less than beside each other; a change of gloss matters about as much. */
-    const nqm_curve curve = nqm_curve_default();
+    const nqm_curve curve = nqm_curve_published;
     assert_true(nqm_label_adapted_jod(&equal) == 10);
     assert_true(nqm_label_adapted_jod(&bright) > nqm_curve_jod(&curve, bright.delta_e) + 1);
     assert_true(nqm_label_adapted_jod(&glossy) < nqm_label_adapted_jod(&bright));

@@ -42,7 +42,7 @@ static double *render_halves(const nqm_scene *scene, const char *spec) {
     nqm_brdf *brdf = must_open(spec);
     double *rgb = nqm_alloc(nqm_scene_get_info(scene).n_points, 9 * sizeof *rgb);
     assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, rgb, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_scene_render(scene, brdf, 1, rgb, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
     return rgb;
 }

@@ -10,7 +10,7 @@
 enum { N_SCORES = 30, MAX_TIMES = 1 + 10000 / N_SCORES };
 
 TEST(exact_scores) {
-    nqm_curve truth = nqm_curve_default();
+    nqm_curve truth = nqm_curve_published;
     double delta_e[20], jod[20];
     for (int i = 0; i < 20; ++i) {
         delta_e[i] = 0.5 * pow(1.3, i);

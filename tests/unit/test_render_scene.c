@@ -443,7 +443,7 @@ TEST(costly_brdfs_are_tabulated) {
     o.progress = stop_stage;
     o.progress_user = (char[]){"table"};
     nqm_scene *stopping = make_scene(&o);
-    assert_int_equal(nqm_scene_render(stopping, costly, c, NULL, NULL), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_scene_render(stopping, costly, 0, c, NULL, NULL), NQM_ERR_CANCELLED);
     for (int i = 0; i < 4; ++i)
         nqm_scene_free((nqm_scene *[]){scene, exact, few, stopping}[i]);
     nqm_brdf_free(plain);

@@ -539,7 +539,8 @@ const unsigned char *EXPORT(web_render)(int id, int member, const char *light, s
                                         double turn_deg) {
     nqm_status status = set_stage(light, size, supersample, turn_deg, &failure);
     if (status == NQM_OK)
-        status = nqm_scene_render(current->scene, brdfs[id], current->rgb_cdm2[member], &facts[1 + member], &failure);
+        status =
+            nqm_scene_render(current->scene, brdfs[id], 0, current->rgb_cdm2[member], &facts[1 + member], &failure);
     return status == NQM_OK ? pixels_of(current, current->rgb_cdm2[member], NULL, 1) : NULL;
 }
 

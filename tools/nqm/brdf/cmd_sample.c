@@ -4,6 +4,7 @@
  */
 #include "metric/metric.h"
 #include "nqm/tool.h"
+#include "sample/sample.h"
 
 #include <math.h>
 #include <stdlib.h>

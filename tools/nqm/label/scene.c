@@ -171,8 +171,7 @@ nqm_status render_brdf(const nqm_scene *scene, nqm_argument *argument, bool with
     if (status != NQM_OK)
         return status;
     report_remark(r->brdf);
-    return with_halves ? nqm_scene_render_halves(scene, r->brdf, NULL, rgb_cdm2, &r->valid, err)
-                       : nqm_scene_render(scene, r->brdf, rgb_cdm2, &r->valid, err);
+    return nqm_scene_render(scene, r->brdf, with_halves, rgb_cdm2, &r->valid, err);
 }
 
 nqm_tone tone_of(const nqm_scene_options *o) {

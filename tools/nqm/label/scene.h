@@ -56,7 +56,7 @@ typedef struct rendered {
     double valid;      /* the fraction of the light at directions where it has a value */
     bool is_tabulated; /* the picture was made from a table of its values, which is said once on standard error */
 } rendered;
-/** Open a BRDF and render it: rgb_cdm2 (points, 3), or (3, points, 3) with the halves of nqm_scene_render_halves(). */
+/** Open a BRDF and render it: rgb_cdm2 (points, 3), or (3, points, 3) with the halves of nqm_scene_render(). */
 nqm_status render_brdf(const nqm_scene *scene, nqm_argument *argument, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err);
 /** A tone curve whose white is twice the exposure. */
