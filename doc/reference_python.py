@@ -14,7 +14,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_sam
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
           ("Textures", ("score_maps", "MapScore", "Blame", "Material", "MapsInfo")),
           ("Libraries of materials", ("dedup", "nearest", "diff", "Change")),
-          ("Fits", ("fit", "Fit", "fit_models")),
+          ("Fits", ("fit", "Fit", "fit_models", "translate", "Translation")),
           ("Tests of shaders", ("conform", "Conformance", "Mistake")),
           ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),
           ("Datasets", ("Dataset",)),

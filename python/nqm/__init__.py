@@ -19,7 +19,7 @@ from ._call import Error
 from ._conform import Conformance, Mistake, conform
 from ._data import Dataset
 from ._find import Change, dedup, diff, nearest
-from ._fit import Fit, fit, fit_models
+from ._fit import Fit, Translation, fit, fit_models, translate
 from ._metric import Metric, batch, expand_pairs, metrics
 from ._scene import Label, Rays, Scene, label, render, srgb
 from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
@@ -34,7 +34,7 @@ __all__ = [
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "dedup", "nearest", "diff", "Change",
     "Metric", "metrics", "Model", "ModelInfo", "models",
-    "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
+    "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "translate", "Translation", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
     "conform", "Conformance", "Mistake",
     "Error", "Status", "build_info", "files_within",
 ]

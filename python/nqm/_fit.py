@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Fits of models to BRDFs."""
+"""Fits of models to BRDFs, and translations of materials."""
 from __future__ import annotations
 
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple, Union
 
 from . import _abi
 from ._library import lib
 from ._brdf import BRDF, BRDFLike, as_brdf, set_options
-from ._call import Error, ProgressLike, Watch, call, encode, names_of, progress_callback
+from ._call import Error, PathLike, ProgressLike, Watch, call, encode, names_of, progress_callback
 from ._scene import Scene, standard_scene
 from ._score import ModelLike, as_model, models
+from ._texture import MapScore, Material, map_score_of
 
 FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "simplify")
 
@@ -59,6 +60,11 @@ def _judge() -> Optional[Scene]:
         return None
 
 
+def _judges(loss: str, metric: ModelLike, transport: ModelLike) -> Tuple[Any, ...]:
+    scene = _judge() if transport == "transport" and loss.startswith("auto") else None
+    return as_model(metric), as_model(transport), scene
+
+
 def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelLike = "default", transport: ModelLike = "transport",
         start: Optional[str] = None, bounds: Optional[Mapping[str, Tuple[float, float]]] = None, progress: ProgressLike = None,
         **options: Any) -> Fit:
@@ -83,12 +89,69 @@ def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelL
     o.bounds, o.n_bounds = limits, len(limits)
     o.start = None if start is None else encode(start)
     o.progress = progress_callback(progress, brdf._watches, own)
-    judges = [as_model(m) if not isinstance(m, str) or m in models() or m != "transport" else None for m in (metric, transport)]
-    scene = _judge() if transport == "transport" and loss.startswith("auto") else None
-    terms = _abi.MatchLoss(encode(loss), *[m._handle if m else None for m in (*judges, scene)])
+    judges = _judges(loss, metric, transport)
+    terms = _abi.MatchLoss(encode(loss), *[m._handle if m else None for m in judges])
     report, handle = _abi.MatchReport(), c_void_p()
     call(lib.nqm_match, brdf._handle, encode(model), byref(terms), byref(o), byref(report), byref(handle), watches=brdf._watches,
          own=own)
     f = report.fit
     return Fit(BRDF._own(handle), f.spec.decode(), f.loss, report.selected.decode(), report.difference, f.n_numbers, f.n_directions,
                f.best_start)
+
+
+@dataclass(frozen=True)
+class Translation:
+    """The result of `translate`.
+
+    Attributes:
+        spec: the translated material; of image maps what does not vary
+        copied: spec of the properties that both models have; "": none
+        dropped: properties of the source that the model has no counterpart for
+        selected: how the result came about ("log-cos, then nqm")
+        maps: the score of what was written, of a `Material`; otherwise None
+    """
+
+    spec: str
+    copied: str
+    dropped: Tuple[str, ...]
+    selected: str
+    maps: Optional[MapScore]
+
+
+def translate(ref: Union[BRDFLike, Material], to: str = "gltf", path: Optional[PathLike] = None, *, name: str = "material",
+              loss: str = "auto", metric: ModelLike = "default", transport: ModelLike = "transport", progress: ProgressLike = None,
+              **options: Any) -> Translation:
+    """Write a material as one of another renderer: what both models have is copied, and the rest fitted.
+
+        >>> t = nqm.translate("open-pbr:base_color=.8,.3,.1;coat_weight=1;fuzz_weight=.2", "usd", n_directions=200)
+        >>> t.spec.split(":")[0], t.dropped
+        ('usd-preview', ('fuzz_weight',))
+
+    Args:
+        ref: any BRDF; or a `Material` with image maps, which is written as glTF with PNG files beside it
+        to: a shading model, "gltf", "openpbr", "usd", "blender", ...: the error of another word names them
+        path: the file to write, whose extension selects the format; needed with image maps
+        name: of the material in the file
+        loss: as for `fit`
+        metric: the model that compares the fit with the copied properties, and of the loss "nqm"
+        transport: the model of the loss "transport"
+        progress: called with the stage, the work done and the total; True shows a line on standard error
+        options: as for `fit`
+    """
+    own, result = Watch(), _abi.Translation()
+    o = set_options(lib.nqm_fit_options_default(), options, FREE_OPTIONS)
+    judges = _judges(loss, metric, transport)
+    terms = _abi.MatchLoss(encode(loss), *[m._handle if m else None for m in judges])
+    if isinstance(ref, Material):
+        if path is None or to != "gltf":
+            raise ValueError("a material with image maps is translated to a glTF file: give its path")
+        o.progress = progress_callback(progress, (), own)
+        call(lib.nqm_translate_texture, ref._handle, encode(path), encode(name), byref(terms), byref(o), byref(result), own=own)
+    else:
+        brdf = as_brdf(ref)
+        o.progress = progress_callback(progress, brdf._watches, own)
+        call(lib.nqm_translate, brdf._handle, encode(to), byref(terms), byref(o), byref(result), watches=brdf._watches, own=own)
+        if path is not None:
+            BRDF.open(result.match.fit.spec.decode()).save_material(path, name)
+    return Translation(result.match.fit.spec.decode(), result.copied.decode(), tuple(filter(None, result.dropped.decode().split(", "))),
+                       result.match.selected.decode(), map_score_of(result.texture, None) if isinstance(ref, Material) else None)

@@ -176,7 +176,7 @@ class MapScore:
         return "%.2f JOD [%.2f, %.2f]" % (self.jod, self.jod_low, self.jod_high)
 
 
-def _score_of(r: TextureResult, heat: Optional[np.ndarray]) -> MapScore:
+def map_score_of(r: TextureResult, heat: Optional[np.ndarray]) -> MapScore:
     blame = tuple(Blame(b.key.decode(), b.jod, b.mistake.decode() or None) for b in r.blame[:r.n_blame])
     parts = None if math.isnan(r.parts.structure) else parts_of(r.parts)
     return MapScore(r.jod, r.jod_low, r.jod_high, r.delta_e, r.error, parts, r.median, r.worst, r.below[0], r.below[1], r.far_jod[0],
@@ -210,4 +210,4 @@ def score_maps(ref: MaterialLike, test: MaterialLike, *, model: ModelLike = "def
     picture = np.empty((size.height, size.width), np.float32) if heat else None
     call(lib.nqm_texture_score, as_model(model)._handle, a._handle, b._handle, byref(options), byref(result),
          None if picture is None else address(picture), own=own)
-    return _score_of(result, picture)
+    return map_score_of(result, picture)

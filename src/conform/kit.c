@@ -22,10 +22,10 @@ static void range_of(const nqm_schema *schema, size_t k, double *low, double *hi
     const nqm_fit_parameter p = nqm_fit_describe(schema, k);
     *low = fmax(p.low, 0);
     *high = p.high;
-    if (nqm_role_is_width(key->role)) {
+    if (nqm_schema_is_width(key->role)) {
         *low = key->unit == NQM_UNIT_GLOSS ? 0 : key->unit == NQM_UNIT_PLAIN ? 0.1 : 0.02;
         *high = key->unit == NQM_UNIT_GLOSS ? 0.8 : fmin(p.high, 1);
-    } else if (nqm_role_is_anisotropic(key->role)) {
+    } else if (nqm_schema_is_anisotropic(key->role)) {
         *high = 0.9;
     } else if (key->role == NQM_ROLE_METAL_ETA || key->role == NQM_ROLE_METAL_K) {
         *low = 0.1;
@@ -62,7 +62,7 @@ static nqm_values base_of(const nqm_schema *schema) {
         double low, high;
         range_of(schema, k, &low, &high);
         const double v =
-            nqm_role_is_width(schema->keys[k].role) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
+            nqm_schema_is_width(schema->keys[k].role) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
         set_equal(&values, k, nqm_round_digits(v, 2));
         if (schema->keys[k].required && schema->keys[k].n == 3)
             set_key(schema, &values, k, 0.1);
@@ -135,8 +135,8 @@ static void add_sweep(nqm_conform_kit *kit, const nqm_values *base, size_t k) {
             set_equal(&values, metal, 1);
         if (layer != k)
             set_equal(&values, layer, 1);
-        for (size_t j = 0; j < schema->n_keys && nqm_role_is_azimuth(schema->keys[k].role); ++j)
-            if (nqm_role_is_anisotropic(schema->keys[j].role) && !nqm_role_is_azimuth(schema->keys[j].role))
+        for (size_t j = 0; j < schema->n_keys && nqm_schema_is_azimuth(schema->keys[k].role); ++j)
+            if (nqm_schema_is_anisotropic(schema->keys[j].role) && !nqm_schema_is_azimuth(schema->keys[j].role))
                 set_key(schema, &values, j, 0.8);
         set_key(schema, &values, k, at[i]);
         add_set(kit, base, &values);
@@ -148,9 +148,9 @@ static void add_random(nqm_conform_kit *kit, const nqm_values *base, nqm_rng *rn
     nqm_values values = *base;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const double kind = nqm_rng_uniform(rng), t = nqm_rng_uniform(rng);
-        const double at_base = nqm_schema_is_layer(schema, k)                  ? 0.5
-                               : nqm_role_is_anisotropic(schema->keys[k].role) ? 0.6
-                                                                               : 0.3;
+        const double at_base = nqm_schema_is_layer(schema, k)                    ? 0.5
+                               : nqm_schema_is_anisotropic(schema->keys[k].role) ? 0.6
+                                                                                 : 0.3;
         if (kind > at_base)
             set_key(schema, &values, k, kind > 0.9 ? 1 : kind > 0.8 ? 0 : t);
     }

@@ -48,8 +48,9 @@ static const char *channels_of(const nqm_schema *schema, const nqm_conform_flaw 
 
 static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
     const nqm_schema_key *key = &schema->keys[k];
-    const bool is_rotation = nqm_role_is_azimuth(key->role),
-               is_amount = !is_rotation && nqm_role_is_anisotropic(key->role), is_width = nqm_role_is_width(key->role);
+    const bool is_rotation = nqm_schema_is_azimuth(key->role),
+               is_amount = !is_rotation && nqm_schema_is_anisotropic(key->role),
+               is_width = nqm_schema_is_width(key->role);
     switch (how) {
     case IGNORED:
         return !key->required;
@@ -107,7 +108,7 @@ static void describe(const nqm_conform_kit *kit, const nqm_conform_suspect *s, c
     for (const nqm_conform_flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f, at = strlen(text)) {
         const nqm_schema_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
-        const bool is_squared = key && key->n == 1 && nqm_role_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
+        const bool is_squared = key && key->n == 1 && nqm_schema_is_width(key->role) && key->unit == NQM_UNIT_PLAIN;
         const char *wrong = channels_of(schema, f);
         char words[64], amount[32];
         snprintf(words, sizeof words, wrong && strlen(wrong) == 2 ? "the values: .%c is added to .%c, times" : "",

@@ -61,13 +61,13 @@ static lobe lobe_of_widths(double x, double y) {
 static lobe read_lobe(const nqm_values *from, const lobe_keys *keys) {
     const double *width = from->v[keys->width];
     const nqm_unit of_width = unit_of(keys, keys->width), of_amount = unit_of(keys, keys->amount);
-    const double alpha = nqm_unit_convert(width[0], of_width, NQM_UNIT_ALPHA);
+    const double alpha = nqm_schema_convert(width[0], of_width, NQM_UNIT_ALPHA);
     if (!has_amount(keys))
-        return lobe_of_widths(alpha, nqm_unit_convert(width[1], of_width, NQM_UNIT_ALPHA));
+        return lobe_of_widths(alpha, nqm_schema_convert(width[1], of_width, NQM_UNIT_ALPHA));
     const double amount = from->v[keys->amount][0];
-    const double azimuth =
-        has_azimuth(keys) ? nqm_unit_convert(from->v[keys->azimuth][0], unit_of(keys, keys->azimuth), NQM_UNIT_RADIANS)
-                          : 0;
+    const double azimuth = has_azimuth(keys) ? nqm_schema_convert(from->v[keys->azimuth][0],
+                                                                  unit_of(keys, keys->azimuth), NQM_UNIT_RADIANS)
+                                             : 0;
     if (of_amount == NQM_UNIT_STRENGTH) {
         lobe l = lobe_of_widths(alpha + (1 - alpha) * amount * amount, alpha);
         l.azimuth = azimuth;
@@ -89,9 +89,9 @@ static void write_lobe(nqm_values *to, const lobe_keys *keys, lobe l) {
     const nqm_unit of_width = unit_of(keys, keys->width), of_amount = unit_of(keys, keys->amount);
     if (!has_amount(keys)) {
         const double wide = l.mean / root, x = cos(2 * l.azimuth) > 0 ? wide : across, y = wide * across / x;
-        nqm_values_set(
-            to, to->schema->keys[keys->width].name, 2,
-            (double[]){nqm_unit_convert(x, NQM_UNIT_ALPHA, of_width), nqm_unit_convert(y, NQM_UNIT_ALPHA, of_width)});
+        nqm_values_set(to, to->schema->keys[keys->width].name, 2,
+                       (double[]){nqm_schema_convert(x, NQM_UNIT_ALPHA, of_width),
+                                  nqm_schema_convert(y, NQM_UNIT_ALPHA, of_width)});
         for (size_t k = 0; k < to->schema->n_keys; ++k) /* such as the index of a conductor: the fit finds it */
             if (to->schema->keys[k].required && !(to->given >> k & 1))
                 set_number(to, k, 1);
@@ -99,11 +99,11 @@ static void write_lobe(nqm_values *to, const lobe_keys *keys, lobe l) {
     }
     const bool is_strength = of_amount == NQM_UNIT_STRENGTH;
     const double alpha = is_strength ? across : l.mean / mean_of_ratio(of_amount, l.ratio);
-    set_number(to, keys->width, nqm_unit_convert(alpha, NQM_UNIT_ALPHA, of_width));
+    set_number(to, keys->width, nqm_schema_convert(alpha, NQM_UNIT_ALPHA, of_width));
     set_number(to, keys->amount,
                is_strength ? sqrt((l.mean / root - across) / (1 - across)) : (1 - l.ratio) / scale_of(of_amount));
     if (has_azimuth(keys))
-        set_number(to, keys->azimuth, nqm_unit_convert(l.azimuth, NQM_UNIT_RADIANS, unit_of(keys, keys->azimuth)));
+        set_number(to, keys->azimuth, nqm_schema_convert(l.azimuth, NQM_UNIT_RADIANS, unit_of(keys, keys->azimuth)));
 }
 
 /* A lobe that a model cannot turn where it belongs is nearer to an isotropic one. */

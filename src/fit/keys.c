@@ -12,14 +12,14 @@ static bool is_index_of_refraction(nqm_role role) {
 
 /* Films make f_r oscillate with their thickness: no fit finds it. */
 bool nqm_fit_is_kept(const nqm_schema_key *key) {
-    return key->whole || nqm_role_is_anisotropic(key->role) || nqm_role_is_film(key->role) ||
+    return key->whole || nqm_schema_is_anisotropic(key->role) || nqm_schema_is_film(key->role) ||
            key->role == NQM_ROLE_SPECULAR_LEVEL;
 }
 
 double nqm_fit_default(const nqm_schema_key *key) {
     const double value = !key->required                      ? key->fallback
                          : is_index_of_refraction(key->role) ? 1.5
-                         : nqm_role_is_width(key->role)      ? 0.3
+                         : nqm_schema_is_width(key->role)    ? 0.3
                                                              : 0.5;
     return fmin(fmax(value, key->low), key->high);
 }
@@ -44,7 +44,7 @@ nqm_fit_parameter nqm_fit_describe(const nqm_schema *schema, size_t k) {
         p.is_log = false;
     } else if (key->unit == NQM_UNIT_ALPHA) {
         offset = 4e-4;
-    } else if (nqm_role_is_width(key->role)) {
+    } else if (nqm_schema_is_width(key->role)) {
         p.units = 2;
         offset = 0.02;
     } else if (key->role == NQM_ROLE_METAL) {

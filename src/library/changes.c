@@ -137,9 +137,7 @@ static nqm_library_value value_of(comparison *c, const look *of, const char *key
     if (node != NQM_NO_NODE) {
         value.text = map_text(c, of, node, false);
     } else if (v) {
-        value.n = v[0] == v[1] && v[1] == v[2]
-                      ? 1
-                      : of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n;
+        value.n = of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n;
         memcpy(value.v, v, value.n * sizeof *v);
     }
     return value;

@@ -38,12 +38,12 @@ static void make_picture(void *user, size_t i) {
     nqm_lobe_picture *p = &job->pictures[i];
     const nqm_lobe *own = &p->lobe, *of_ref = p->ref == SIZE_MAX ? own : &job->pictures[p->ref].lobe;
     const nqm_lobe *lobe = is_like(of_ref, own) ? of_ref : own;
-    if (p->status == NQM_OK && !nqm_lobe_light(job->light, job->totals, p->brdf, lobe, p->light))
+    if (p->status == NQM_OK && !nqm_lobes_light(job->light, job->totals, p->brdf, lobe, p->light))
         p->status = NQM_ERR_NOMEM;
 }
 
-nqm_status nqm_lobe_pictures(const nqm_slope_light *light, size_t n, nqm_lobe_picture *pictures, nqm_ticker *ticker,
-                             nqm_error *err) {
+nqm_status nqm_lobes_pictures(const nqm_slope_light *light, size_t n, nqm_lobe_picture *pictures, nqm_ticker *ticker,
+                              nqm_error *err) {
     const size_t n_totals = 3 * light->points.n;
     pictures_job job = {light, pictures, nqm_alloc(n_totals, sizeof *job.totals)};
     if (!job.totals)

@@ -22,12 +22,12 @@ typedef struct nqm_lobe_picture {
     nqm_lobe lobe;     /* this */
 } nqm_lobe_picture;
 /** Make n pictures on all threads. ticker: NULL, or its stage is "far". NQM_ERR_NOMEM, NQM_ERR_CANCELLED. */
-NQM_MUST_CHECK nqm_status nqm_lobe_pictures(const nqm_slope_light *light, size_t n, nqm_lobe_picture *pictures,
-                                            nqm_ticker *ticker, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_lobes_pictures(const nqm_slope_light *light, size_t n, nqm_lobe_picture *pictures,
+                                             nqm_ticker *ticker, nqm_error *err);
 
 /** The light (3, n) of the points for a BRDF, by half vectors that suit a lobe. totals: (3, n) the light of all slopes. false: out of
  *  memory. */
-bool nqm_lobe_light(const nqm_slope_light *light, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                    double *rgb);
+bool nqm_lobes_light(const nqm_slope_light *light, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
+                     double *rgb);
 
 #endif

@@ -207,8 +207,8 @@ static void sum_nodes(const nqm_slope_light *l, const nqm_brdf *brdf, const node
                            nqm_smaller(n_points - first, BLOCK), rgb);
 }
 
-bool nqm_lobe_light(const nqm_slope_light *l, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                    double *rgb) {
+bool nqm_lobes_light(const nqm_slope_light *l, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
+                     double *rgb) {
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;

@@ -14,7 +14,7 @@
 static const double plain_anisotropy = 0.02;
 
 /* Whether it is a built-in model of the standard scenes, or its file: those of other scenes may have the same id. */
-nqm_status nqm_model_find_anisotropic(const nqm_model *model, nqm_model **anisotropic_ret, nqm_error *err) {
+nqm_status nqm_anisotropic_find(const nqm_model *model, nqm_model **anisotropic_ret, nqm_error *err) {
     nqm_model *builtin = NULL;
     *anisotropic_ret = NULL;
     if (strcmp(model->id, "default") != 0 && strcmp(model->id, "transport") != 0)
@@ -104,7 +104,7 @@ nqm_status nqm_anisotropic_score(const nqm_model *anisotropic, const nqm_model *
         }
     for (size_t i = 0; i < n_pictures; ++i)
         pictures[i].light = itp + i * n_values;
-    status = nqm_lobe_pictures(&light, n_pictures, pictures, NULL, err);
+    status = nqm_lobes_pictures(&light, n_pictures, pictures, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < n_pictures; ++i)
         nqm_picture_show(&light.points, pictures[i].light, pictures[i].light);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {

@@ -5,8 +5,8 @@
 #ifndef NQM_SRC_METRIC_H
 #define NQM_SRC_METRIC_H
 
-#include "base/options.h"
 #include "argument/argument.h"
+#include "base/options.h"
 #include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>
@@ -83,8 +83,7 @@ NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const nq
 
 /** The model that scores anisotropic pairs for a model whose directions have one azimuth: the built-in "anisotropic" for the built-in
  *  "default" and "transport". NULL in *anisotropic_ret, without an error: other models may predict labels of other scenes. */
-NQM_MUST_CHECK nqm_status nqm_model_find_anisotropic(const nqm_model *model, nqm_model **anisotropic_ret,
-                                                     nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_anisotropic_find(const nqm_model *model, nqm_model **anisotropic_ret, nqm_error *err);
 /** The same for the model of a scorer, which owns it; the model itself if it is one of slopes. NULL: as above. */
 NQM_MUST_CHECK nqm_status nqm_scorer_anisotropic(nqm_scorer *scorer, const nqm_model **anisotropic_ret, nqm_error *err);
 /** Pairs as nqm_scorer_run_subjects() or nqm_scorer_run() takes them. */

@@ -270,7 +270,7 @@ static void score_members(nqm_scorer *s, size_t n, nqm_score_result *results) {
 
 nqm_status nqm_scorer_anisotropic(nqm_scorer *s, const nqm_model **anisotropic_ret, nqm_error *err) {
     const bool is_open = s->model->slopes || s->anisotropic;
-    const nqm_status status = is_open ? NQM_OK : nqm_model_find_anisotropic(s->model, &s->anisotropic, err);
+    const nqm_status status = is_open ? NQM_OK : nqm_anisotropic_find(s->model, &s->anisotropic, err);
     *anisotropic_ret = s->model->slopes ? s->model : s->anisotropic;
     return status;
 }

@@ -66,20 +66,20 @@ size_t nqm_schema_key_of(const nqm_schema *schema, nqm_role role) {
     return k;
 }
 
-bool nqm_role_is_width(nqm_role role) {
+bool nqm_schema_is_width(nqm_role role) {
     return role == NQM_ROLE_WIDTH || role == NQM_ROLE_DIFFUSE_ROUGHNESS || role == NQM_ROLE_COAT_WIDTH ||
            role == NQM_ROLE_SHEEN_WIDTH;
 }
 
-bool nqm_role_is_azimuth(nqm_role role) {
+bool nqm_schema_is_azimuth(nqm_role role) {
     return role == NQM_ROLE_AZIMUTH || role == NQM_ROLE_COAT_AZIMUTH;
 }
 
-bool nqm_role_is_anisotropic(nqm_role role) {
-    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_COAT_ANISOTROPY || nqm_role_is_azimuth(role);
+bool nqm_schema_is_anisotropic(nqm_role role) {
+    return role == NQM_ROLE_ANISOTROPY || role == NQM_ROLE_COAT_ANISOTROPY || nqm_schema_is_azimuth(role);
 }
 
-bool nqm_role_is_film(nqm_role role) {
+bool nqm_schema_is_film(nqm_role role) {
     return role >= NQM_ROLE_FILM_WEIGHT;
 }
 
@@ -123,7 +123,7 @@ static double to_common(double v, nqm_unit unit) {
     }
 }
 
-double nqm_unit_convert(double v, nqm_unit from, nqm_unit to) {
+double nqm_schema_convert(double v, nqm_unit from, nqm_unit to) {
     const double common = to_common(v, from);
     if (from == to)
         return v;

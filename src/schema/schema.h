@@ -108,15 +108,15 @@ bool nqm_schema_is_layer(const nqm_schema *schema, size_t key);
 /** The key of the amount of the coat or sheen that a key describes; the key itself: it belongs to no layer. */
 size_t nqm_schema_layer_of(const nqm_schema *schema, size_t key);
 /** Whether a key is the width of a lobe, in any unit; whether it is an anisotropy or azimuth, which is 0 in isotropic models. */
-bool nqm_role_is_width(nqm_role role);
-bool nqm_role_is_anisotropic(nqm_role role);
-bool nqm_role_is_azimuth(nqm_role role);
-bool nqm_role_is_film(nqm_role role);
+bool nqm_schema_is_width(nqm_role role);
+bool nqm_schema_is_anisotropic(nqm_role role);
+bool nqm_schema_is_azimuth(nqm_role role);
+bool nqm_schema_is_film(nqm_role role);
 
 /* ---- values ------------------------------------------------------------------------------------------------------- */
 
 /** A value in another unit of the same role: widths, angles and lengths. Bits stay where the units are equal. */
-double nqm_unit_convert(double v, nqm_unit from, nqm_unit to);
+double nqm_schema_convert(double v, nqm_unit from, nqm_unit to);
 
 /** The defaults of a model; none is given, and required keys are 0. */
 nqm_values nqm_values_of(const nqm_schema *schema);

@@ -44,7 +44,7 @@ bool nqm_values_are_isotropic(const nqm_values *values) {
     for (size_t k = 0; k < values->schema->n_keys; ++k) {
         const nqm_schema_key *key = &values->schema->keys[k];
         is_isotropic &= (key->n != 2 || is_one_number(key, values->v[k])) &&
-                        !(nqm_role_is_anisotropic(key->role) && values->v[k][0] != 0);
+                        !(nqm_schema_is_anisotropic(key->role) && values->v[k][0] != 0);
     }
     return is_isotropic;
 }

@@ -64,7 +64,7 @@ nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_
         pictures[i] = (nqm_lobe_picture){
             .subject = &subjects[i], .ref = i < n ? SIZE_MAX : i - n, .light = values + i * n_values};
     m.pictures = pictures;
-    status = nqm_lobe_pictures(&light, 2 * n, pictures, ticker, err);
+    status = nqm_lobes_pictures(&light, 2 * n, pictures, ticker, err);
     for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
         if ((status = pictures[i].status) != NQM_OK)
             nqm_fail(err, status, -1, "%.300s: %s",

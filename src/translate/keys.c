@@ -20,7 +20,7 @@ size_t nqm_translate_key(const nqm_schema *from, size_t key, const nqm_schema *t
 void nqm_translate_value(const nqm_schema_key *from, const double v[3], const nqm_schema_key *to, double out[3]) {
     const double mean = from->n == 1 ? v[0] : from->n == 2 ? sqrt(v[0] * v[1]) : (v[0] + v[1] + v[2]) / 3;
     for (size_t c = 0; c < 3; ++c) {
-        const double x = nqm_unit_convert(from->n > 1 && from->n == to->n ? v[c] : mean, from->unit, to->unit);
+        const double x = nqm_schema_convert(from->n > 1 && from->n == to->n ? v[c] : mean, from->unit, to->unit);
         out[c] = fmin(fmax(x, to->low), to->high);
     }
 }
@@ -43,8 +43,9 @@ static void copy_film(const nqm_values *from, nqm_values *to) {
         if (at == to->schema->n_keys)
             continue;
         const nqm_schema_key *key = &to->schema->keys[at];
-        const double v =
-            k == from->schema->n_keys ? weight : nqm_unit_convert(from->v[k][0], from->schema->keys[k].unit, key->unit);
+        const double v = k == from->schema->n_keys
+                             ? weight
+                             : nqm_schema_convert(from->v[k][0], from->schema->keys[k].unit, key->unit);
         nqm_values_set(to, key->name, 1, &v);
     }
 }
@@ -54,7 +55,7 @@ void nqm_translate_values(const nqm_values *from, nqm_values *to) {
     for (size_t k = 0; k < from->schema->n_keys; ++k) {
         const nqm_schema_key *key = &from->schema->keys[k];
         const size_t at = nqm_translate_key(from->schema, k, to->schema);
-        if (at == to->schema->n_keys || nqm_role_is_film(key->role) || (to->given >> at & 1) ||
+        if (at == to->schema->n_keys || nqm_schema_is_film(key->role) || (to->given >> at & 1) ||
             (!is_same && (key->whole || key->role == NQM_ROLE_ANISOTROPY || key->role == NQM_ROLE_AZIMUTH)))
             continue;
         double v[3];
@@ -88,7 +89,7 @@ static bool has_counterpart(const nqm_schema *from, size_t key, const nqm_schema
 /* Whether a key belongs to a layer or film that is off. */
 static bool is_inactive(const nqm_values *values, size_t key) {
     size_t amount = nqm_schema_layer_of(values->schema, key);
-    if (nqm_role_is_film(values->schema->keys[key].role)) {
+    if (nqm_schema_is_film(values->schema->keys[key].role)) {
         amount = nqm_schema_key_of(values->schema, NQM_ROLE_FILM_WEIGHT);
         if (amount == values->schema->n_keys)
             amount = nqm_schema_key_of(values->schema, NQM_ROLE_FILM_THICKNESS);

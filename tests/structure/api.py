@@ -28,7 +28,6 @@ SHARED = {
     "map": "base figures render",
     "material": "brdf data material",
     "model": "model train",
-    "name": "base figures",
     "nbrdf": "brdf encode",
     "novelty": "model train",
     "picture": "figures percept",

@@ -14,7 +14,7 @@
 static const nqm_model *open_transport(void) {
     static nqm_model *model;
     if (!model)
-        assert_int_equal(nqm_model_builtin("transport", &model, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load("transport", &model, NULL), NQM_OK);
     return model;
 }
 

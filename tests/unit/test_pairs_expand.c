@@ -68,7 +68,7 @@ TEST(names_of_lists) {
 TEST(remarks_are_a_list) {
     char text[NQM_REMARKS_TEXT];
     nqm_model *model;
-    assert_int_equal(nqm_model_builtin("transport", &model, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load("transport", &model, NULL), NQM_OK);
     const nqm_score_result result = {.n_clamped[0] = 1, .n_invalid[1] = 2};
     nqm_pairs_remarks(model, NQM_INVALID_ZERO, NULL, "r", "t", &result, text);
     assert_string_equal(text, "r: negative channel at 1 of 1872 directions, taken as 0");
