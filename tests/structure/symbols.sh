@@ -20,12 +20,12 @@ declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^N
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base material brdf samples percept model metric texture pairs library"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers encode fit render match data train label corpus; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers fit render match data train label translate conform corpus; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test is broken"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
-for room in encode fit render data train judge label corpus; do
+for room in encode fit render data train judge label translate conform corpus; do
     nm --defined-only --extern-only "$build"/CMakeFiles/nqm_full_objects.dir/src/"$room"/*.o
 done | awk 'NF == 3 {print $3}' | sort -u >"$build/full-symbols.txt"
 [ -s "$build/full-symbols.txt" ] || fail "no symbol of the full library was found: the test is broken"
