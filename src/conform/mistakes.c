@@ -49,7 +49,8 @@ static const char *channels_of(const nqm_schema *schema, const nqm_conform_flaw 
 static bool is_possible(const nqm_schema *schema, size_t k, size_t how) {
     const nqm_schema_key *key = &schema->keys[k];
     const bool is_rotation = nqm_schema_is_azimuth(key->role),
-               is_amount = !is_rotation && nqm_schema_is_anisotropic(key->role), is_width = nqm_schema_is_width(key->role);
+               is_amount = !is_rotation && nqm_schema_is_anisotropic(key->role),
+               is_width = nqm_schema_is_width(key->role);
     switch (how) {
     case IGNORED:
         return !key->required;
