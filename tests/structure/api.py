@@ -9,7 +9,7 @@ import re
 import subprocess
 import sys
 
-MAX_FUNCTIONS = 99
+MAX_FUNCTIONS = 95
 MAX_FIELDS = 20
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
 faults = []
