@@ -79,8 +79,8 @@ typedef struct nqm_model_info {
 } nqm_model_info;
 
 /** A built-in model by name ("default"; libnqm-full also has "paper"), or a model file (safetensors; doc/model-format.md), whose
- *  names, shapes, finiteness and SHA-256 are checked. NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors; a
- *  word that is neither), NQM_ERR_NOMEM. */
+ *  names, shapes, finiteness and SHA-256 are checked. NQM_ERR_IO (also: neither a model nor a file), NQM_ERR_FORMAT (not safetensors),
+ *  NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_error *err);
 /** Write a model file, which appears under its name only when it is complete; a file of that name is replaced.
  *  NQM_ERR_IO, NQM_ERR_NOMEM. */

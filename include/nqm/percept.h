@@ -21,8 +21,7 @@ typedef struct nqm_curve {
     double b1, b2, b3;
 } nqm_curve;
 
-/** JOD in [0, 10]; Delta-E 0 (or less) gives exactly 10. curve NULL: the coefficients behind the authors' published labels, which are
- *  those of labels everywhere. */
+/** JOD in [0, 10]; Delta-E 0 (or less) gives exactly 10. The curve of labels is that of nqm_label_get_info(). */
 NQM_API double nqm_curve_jod(const nqm_curve *curve, double delta_e);
 
 typedef struct nqm_regress_report {
@@ -54,6 +53,7 @@ enum { NQM_LABEL_TEXT = 160 };
 
 /** What a label says. */
 typedef struct nqm_label_info {
+    nqm_curve curve;  /**< of JODs of labels: the coefficients behind the authors' published labels */
     double jod_error; /**< standard error of the JOD at delta_e: half of the change of the JOD from delta_e - error to
                            delta_e + error */
     /** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_jod() at the root mean square

@@ -252,6 +252,7 @@ LABEL_TEXT = 160
 
 class LabelInfo(Structure):
     _fields_ = [
+        ("curve", Curve),
         ("jod_error", c_double),
         ("adapted_jod", c_double),
         ("words", c_char * 160),

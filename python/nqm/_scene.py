@@ -148,8 +148,8 @@ class Scene:
         labels = []
         for test in map(as_brdf, tests if several else [tests]):
             label, valid = self._label((brdf, test), (seen, self._picture(test)))
-            jod = lib.nqm_curve_jod(None, label.delta_e)
             info = lib.nqm_label_get_info(byref(label))
+            jod = lib.nqm_curve_jod(byref(info.curve), label.delta_e)
             labels.append(Label(brdf.name, test.name, jod, label.delta_e, info.adapted_jod, parts_of(label), label.error, info.jod_error,
                                 valid))
         return labels if several else labels[0]

@@ -8,10 +8,12 @@ device; the library computes on the processor, without a gradient by the referen
 from __future__ import annotations
 
 import functools
+from ctypes import byref
 from typing import Any, Optional, Tuple
 
 import torch
 
+from ._abi import Label
 from ._library import lib
 from ._brdf import BRDF
 from ._scene import Rays, Scene
@@ -113,7 +115,7 @@ class RayLoss(torch.autograd.Function):
 
 def _jod(delta_e: torch.Tensor) -> torch.Tensor:
     """nqm_curve_jod() of the published curve."""
-    c = lib.nqm_curve_default()
+    c = lib.nqm_label_get_info(byref(Label())).curve
     return 10 * torch.sigmoid(-c.b1 * (delta_e.clamp(min=1e-6) ** c.b3 + c.b2))
 
 

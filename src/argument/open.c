@@ -119,8 +119,8 @@ static nqm_status open_as(nqm_argument *a, const char *name, nqm_brdf **brdf_ret
     case NQM_ARGUMENT_MAPS:
     case NQM_ARGUMENT_FOLDER:
         return nqm_fail(err, NQM_ERR_IO, -1, "%.250s: %s, and a BRDF is that of one point" NQM_TEXTURE_ADVICE, a->text,
-                        a->kind == NQM_ARGUMENT_MAPS ? "a list of image maps"
-                                                     : "a directory of image maps or other files");
+                        a->kind == NQM_ARGUMENT_MAPS ? "is a list of image maps"
+                                                     : "is a directory of image maps or other files");
     case NQM_ARGUMENT_NOTHING:
     case NQM_ARGUMENT_FIT:
         break;

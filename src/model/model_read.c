@@ -366,12 +366,25 @@ static bool is_builtin(const char *name) {
     return m->name != NULL;
 }
 
+/* end: of what is said of the name first. */
+static nqm_status fail_builtin(const char *name, nqm_status status, const char *end, nqm_error *err) {
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
+        nqm_nearest_add(&nearest, m->name);
+    return nqm_model_builtin_name(0)
+               ? nqm_fail(err, status, -1, "%s: %sthere is no built-in model of this name%s", name, end, nearest.advice)
+               : nqm_fail(err, status, -1, "%s: %sno model is built in: train one (nqm train) and give its file", name,
+                          end);
+}
+
 nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_error *err) {
     NQM_MAKE(err, model_ret, name_or_path);
     const char *path = name_or_path;
     nqm_map map = {0};
-    if (is_builtin(path) || (!strpbrk(path, "/.") && access(path, F_OK) != 0))
+    if (is_builtin(path))
         return nqm_model_builtin(path, model_ret, err);
+    if (!strpbrk(path, "/.") && access(path, F_OK) != 0)
+        return fail_builtin(path, NQM_ERR_IO, "No such file or directory, and ", err);
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK)
         status = nqm_model_parse(map.data, map.n_bytes, path, true, model_ret, err);
@@ -405,12 +418,5 @@ nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error 
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         if (strcmp(m->name, name) == 0)
             return nqm_model_parse(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
-    if (!nqm_model_builtin_name(0))
-        return nqm_fail(err, NQM_ERR_MODEL, -1,
-                        "model '%s': no model is built into this library: train one (nqm train) and give its file",
-                        name);
-    nqm_nearest nearest = nqm_nearest_begin(name);
-    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
-        nqm_nearest_add(&nearest, m->name);
-    return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s' is not built in%s", name, nearest.advice);
+    return fail_builtin(name, NQM_ERR_MODEL, "", err);
 }

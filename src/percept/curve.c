@@ -20,7 +20,7 @@ static double logit(const nqm_curve *curve, double delta_e) {
 }
 
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
-    curve = curve ? curve : &nqm_curve_published;
+    assert(curve);
     if (delta_e <= 0) /* the limit for b3 < 0, without computing 0 to a negative power */
         return 10;
     return 10 / (1 + exp(-logit(curve, delta_e))); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */

@@ -117,7 +117,7 @@ static void describe(const nqm_label *label, char text[NQM_LABEL_TEXT]) {
 
 nqm_label_info nqm_label_get_info(const nqm_label *label) {
     assert(label);
-    nqm_label_info info = {.adapted_jod = nqm_label_adapted_jod(label)};
+    nqm_label_info info = {.curve = nqm_curve_published, .adapted_jod = nqm_label_adapted_jod(label)};
     info.jod_error = 0.5 * (nqm_curve_jod(&nqm_curve_published, label->delta_e - label->error) -
                             nqm_curve_jod(&nqm_curve_published, label->delta_e + label->error));
     describe(label, info.words);

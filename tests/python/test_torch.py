@@ -157,7 +157,9 @@ class FreshDirections(unittest.TestCase):
         ref, test = (torch.tensor(rays.eval(name)) for name in ("sgd:nickel", "ward:nickel"))
         delta_e = rays.delta_e_grad(ref.numpy(), test.numpy())[0]
         self.assertAlmostEqual(nqm.torch.Loss()(ref, test, rays).item(), delta_e, places=9)
-        jod = nqm._library.lib.nqm_curve_jod(None, delta_e)
+        lib, ctypes = nqm._library.lib, nqm._library.ctypes
+        info = lib.nqm_label_get_info(ctypes.byref(nqm._abi.Label()))
+        jod = lib.nqm_curve_jod(ctypes.byref(info.curve), delta_e)
         self.assertAlmostEqual(nqm.torch.Loss("jod")(ref, test, rays).item(), 10 - jod, places=9)
 
     def test_functions(self):

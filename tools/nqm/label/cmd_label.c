@@ -78,7 +78,8 @@ static nqm_status label_item_at(label_run *run, size_t i) {
         status = nqm_scene_label(run->scene, &seen, &test, &item->label, NULL, &item->valid, &item->err);
     if (status == NQM_OK) {
         item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2, NULL).error;
-        item->jod = nqm_curve_jod(NULL, item->label.delta_e);
+        const nqm_label_info info = nqm_label_get_info(&item->label);
+        item->jod = nqm_curve_jod(&info.curve, item->label.delta_e);
     }
     if (!run->keep_rgb)
         forget_picture(item);
