@@ -146,6 +146,7 @@ TEST(no_remark_of_the_tool_is_missing) {
         code = WEXITSTATUS(state_of_child);
         assert_true(code == EXIT_LIMIT || n > 3);
     }
+    nqm_model_free(model);
     assert_int_equal(code, EXIT_OK);
 }
 
