@@ -19,8 +19,12 @@ size_t nqm_translate_key(const nqm_schema *from, size_t key, const nqm_schema *t
 
 void nqm_translate_value(const nqm_schema_key *from, const double v[3], const nqm_schema_key *to, double out[3]) {
     const double mean = from->n == 1 ? v[0] : from->n == 2 ? sqrt(v[0] * v[1]) : (v[0] + v[1] + v[2]) / 3;
+    const bool is_ior = to->role == NQM_ROLE_IOR || to->role == NQM_ROLE_COAT_IOR;
     for (size_t c = 0; c < 3; ++c) {
-        const double x = nqm_schema_convert(from->n > 1 && from->n == to->n ? v[c] : mean, from->unit, to->unit);
+        double x = nqm_schema_convert(from->n > 1 && from->n == to->n ? v[c] : mean, from->unit, to->unit);
+        /* An index and its inverse reflect the same at normal incidence; glTF's 0 reflects all. */
+        if (is_ior && x < 1 && to->low >= 1)
+            x = x > 0 ? 1 / x : to->high;
         out[c] = fmin(fmax(x, to->low), to->high);
     }
 }
