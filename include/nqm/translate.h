@@ -39,11 +39,15 @@ NQM_API nqm_translate_model nqm_translate_target(size_t i);
  *
  * @param ref      any BRDF; properties are copied where its spec is that of a shading model
  * @param model    a name of nqm_translate_target(), or its other name
+ * @param path     the material file to write, whose extension is checked before the fit; NULL: none
+ * @param name     of the material in the file; NULL: "material"
  * @param loss     as in nqm_match(); `metric` is needed
  * @param options  as in nqm_match(); NULL: defaults
- * @return as nqm_match(); NQM_ERR_ARG also for another model, with the names
+ * @return as nqm_match(); NQM_ERR_ARG also for another model, with the names, and a path whose extension is not
+ *         that of a format of the model; NQM_ERR_IO
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
+NQM_API NQM_MUST_CHECK nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const char *path,
+                                                const char *name, const nqm_match_loss *loss,
                                                 const nqm_fit_options *options, nqm_translation *result,
                                                 nqm_error *err);
 

@@ -1051,6 +1051,6 @@ FUNCTIONS = {
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
     "nqm_translate_target": (TranslateModel, [c_size_t]),
-    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
     "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
 }

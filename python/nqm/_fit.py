@@ -150,8 +150,7 @@ def translate(ref: Union[BRDFLike, Material], to: str = "gltf", path: Optional[P
     else:
         brdf = as_brdf(ref)
         o.progress = progress_callback(progress, brdf._watches, own)
-        call(lib.nqm_translate, brdf._handle, encode(to), byref(terms), byref(o), byref(result), watches=brdf._watches, own=own)
-        if path is not None:
-            BRDF.open(result.match.fit.spec.decode()).save_material(path, name)
+        call(lib.nqm_translate, brdf._handle, encode(to), None if path is None else encode(path), encode(name), byref(terms),
+             byref(o), byref(result), watches=brdf._watches, own=own)
     return Translation(result.match.fit.spec.decode(), result.copied.decode(), tuple(filter(None, result.dropped.decode().split(", "))),
                        result.match.selected.decode(), map_score_of(result.texture, None) if isinstance(ref, Material) else None)

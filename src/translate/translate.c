@@ -5,6 +5,7 @@
 #include "translate/translate.h"
 
 #include "base/options.h"
+#include "brdf/brdf.h"
 #include "fit/anisotropy.h"
 #include "material/material.h"
 #include <nqm/metric.h>
@@ -55,8 +56,9 @@ static bool copy_values(const nqm_brdf *ref, const nqm_schema *schema, nqm_trans
     return copied || !to.given;
 }
 
-nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
-                         const nqm_fit_options *options, nqm_translation *result, nqm_error *err) {
+nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const char *path, const char *name,
+                         const nqm_match_loss *loss, const nqm_fit_options *options, nqm_translation *result,
+                         nqm_error *err) {
     NQM_REQUIRE(err, ref, model, loss, result);
     NQM_REQUIRE(err, loss->text, loss->metric);
     nqm_fit_options fit = options ? *options : nqm_fit_options_default();
@@ -64,6 +66,8 @@ nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match
     nqm_brdf *brdf = NULL;
     *result = (nqm_translation){.dropped = ""};
     nqm_status status = nqm_schema_find_shading(model, &schema, err);
+    if (status == NQM_OK && path)
+        status = nqm_material_check(schema->model, path, err);
     if (status != NQM_OK)
         return status;
     if (!copy_values(ref, schema, result))
@@ -75,6 +79,8 @@ nqm_status nqm_translate(const nqm_brdf *ref, const char *model, const nqm_match
     nqm_free(lobe);
     if (status == NQM_OK && *result->copied)
         status = keep_better(ref, brdf, loss, result, err);
+    if (status == NQM_OK && path)
+        status = nqm_material_write(result->match.fit.spec, name ? name : "material", path, err);
     nqm_brdf_free(brdf);
     return status;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""dedup, nearest and diff give what the tool gives; warnings, progress, interruption, and what is refused."""
+"""dedup, nearest and diff give what the tool gives; translate; warnings, progress, interruption, and what is refused."""
 import json
 import os
 import signal
@@ -94,6 +94,18 @@ class Find(unittest.TestCase):
             nqm.nearest("old.gltf:a", "many.gltf", index="many.index")
         timer.join()
         self.assertFalse([name for name in os.listdir() if "index" in name])
+
+    def test_translate(self):
+        calls = []
+        for path, word in (("a.png", "a.png"), ("a.blend", "a.blend")):  # before any work
+            with self.assertRaisesRegex(nqm.Error, word):
+                nqm.translate("open-pbr:base_color=.8,.3,.1", "gltf", path, progress=lambda *work: calls.append(work))
+        self.assertFalse(calls)
+        with self.assertRaisesRegex(nqm.Error, "no-such-model"):
+            nqm.translate("open-pbr:base_color=.8,.3,.1", "no-such-model")
+        t = nqm.translate("open-pbr:base_color=.8,.3,.1;fuzz_weight=.2", "usd", "a.mtlx", name="clay", n_directions=200)
+        self.assertEqual((t.spec.split(":")[0], t.dropped), ("usd-preview", ("fuzz_weight",)))
+        self.assertIn("clay", open("a.mtlx").read())
 
 
 if __name__ == "__main__":

@@ -566,7 +566,7 @@ const double *EXPORT(web_facts)(void) {
 const char *EXPORT(web_translate)(int ref, const char *target, const char *name, const char *path) {
     nqm_error err = {0};
     static nqm_translation t;
-    nqm_brdf *written = NULL, *fitted = NULL;
+    nqm_brdf *written = NULL;
     const nqm_brdf *test;
     nqm_score_result r = {0};
     nqm_status status = use_model(0, &err);
@@ -578,13 +578,8 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
     fit.n_directions = 2000;
     fit.progress = pass_progress;
     const nqm_match_loss loss = {"auto", models[0].model, models[1].model, NULL};
-    status = nqm_translate(brdfs[ref], target, &loss, &fit, &t, &err);
-    unlink(path);
-    if (status == NQM_OK)
-        status = nqm_brdf_open(t.match.fit.spec, &fitted, &err);
-    if (status == NQM_OK)
-        status = nqm_brdf_write(fitted, NQM_FILE_MATERIAL, name, path, NULL, NULL, &err);
-    nqm_brdf_free(fitted);
+    unlink(path); /* as of tables */
+    status = nqm_translate(brdfs[ref], target, path, name, &loss, &fit, &t, &err);
     if (status == NQM_OK)
         status = nqm_brdf_open(path, &written, &err);
     test = written;

@@ -246,7 +246,7 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     report_remark(ref);
-    status = nqm_translate(ref, t->target.name, &t->loss, &t->fit, &it->result, err);
+    status = nqm_translate(ref, t->target.name, NULL, NULL, &t->loss, &t->fit, &it->result, err);
     nqm_brdf_free(ref);
     return status;
 }
