@@ -340,7 +340,7 @@ How fast is nqm on other machines, and how near to their limits? One section per
 "Of its own peak" is floor / time: 1 is the limit of the machine, by the quickest unit that can compute the product and by the bandwidth of the
 memory that has to be read, both measured in the same run. "By processor time" is the same for the processor time of all threads, which
 excludes other programs. The peer is the quicker of PyTorch 1.13 and ONNX Runtime 1.23 (oneDNN for single
-products; for samples to JOD the network alone, and with the gradient the score: there the quotient is the time of the whole way / the part). A quotient above 1 means that nqm is quicker.
+products, with which nqm-bench compared until 23 November 2026; for samples to JOD the network alone, and with the gradient the score: there the quotient is the time of the whole way / the part). A quotient above 1 means that nqm is quicker.
 
 <!-- test: skip because they take an hour; tests/cli/bench_results.sh runs the script on small sizes -->
 

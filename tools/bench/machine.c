@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -25,21 +26,21 @@ static void read_value(const char *path, const char *key, char *value, size_t n_
         fclose(file);
 }
 
-/* Size of a cache by the system, bytes: level 0 is the data cache of L1; 0: unknown. */
+/* Size of a cache, bytes: level 0 is the data cache of L1; 0: unknown. */
 static size_t cache_bytes(size_t level) {
-    static const int names[] = {_SC_LEVEL1_DCACHE_SIZE, _SC_LEVEL2_CACHE_SIZE, _SC_LEVEL3_CACHE_SIZE};
-    static const char *const indices[] = {"index0", "index2", "index3"};
-    char path[80], line[40] = "";
-    const char *end;
-    double kib;
-    if (level >= sizeof names / sizeof *names)
-        return 0;
-    snprintf(path, sizeof path, "/sys/devices/system/cpu/cpu0/cache/%s/size", indices[level]);
-    FILE *file = fopen(path, "r"); /* sysconf() counts a shared L3 several times on some virtual machines */
-    const bool has_size = file && fgets(line, sizeof line, file) && nqm_parse_double(line, &end, &kib) && *end == 'K';
+    static const struct {
+        const char *file;
+        int name;
+    } caches[NQM_BENCH_LEVELS - 1] = {{"/sys/devices/system/cpu/cpu0/cache/index0/size", _SC_LEVEL1_DCACHE_SIZE},
+                                      {"/sys/devices/system/cpu/cpu0/cache/index2/size", _SC_LEVEL2_CACHE_SIZE},
+                                      {"/sys/devices/system/cpu/cpu0/cache/index3/size", _SC_LEVEL3_CACHE_SIZE}};
+    long kib = 0;
+    FILE *file =
+        fopen(caches[level].file, "r"); /* sysconf() counts a shared L3 several times on some virtual machines */
+    const bool has_size = file && fscanf(file, "%ldK", &kib) == 1;
     if (file)
         fclose(file);
-    const long n_bytes = has_size ? (long)kib * 1024 : sysconf(names[level]);
+    const long n_bytes = has_size ? kib * 1024 : sysconf(caches[level].name);
     return n_bytes > 0 ? (size_t)n_bytes : 0;
 }
 

@@ -119,7 +119,7 @@ static int new_meter(nqm_bench *bench, const nqm_bench_unit *unit, size_t n_byte
 
 void nqm_bench_add_units(nqm_bench *bench) {
     for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
-        if (unit->is_available())
+        if (nqm_bench_has_unit(unit))
             new_meter(bench, unit, 0);
 }
 
