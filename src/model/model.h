@@ -221,11 +221,6 @@ void nqm_novelty_features(const nqm_model *model, const double *scalars, float *
 NQM_MUST_CHECK nqm_status nqm_model_inference(const nqm_model *model, const nqm_inference_net **net_ret,
                                               nqm_error *err);
 
-/** A model from the n_bytes of a model file in memory, which are copied: they may be freed afterwards. The checks and errors of
- *  nqm_model_load() but NQM_ERR_IO; `name` is for messages. */
-NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name,
-                                                nqm_model **model_ret, nqm_error *err);
-
 /** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
 NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
 

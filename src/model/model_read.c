@@ -396,23 +396,6 @@ nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_e
     return status;
 }
 
-nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name, nqm_model **model_ret,
-                                 nqm_error *err) {
-    NQM_MAKE(err, model_ret, name);
-    NQM_REQUIRE_IF(n_bytes, err, data);
-    unsigned char *copy = nqm_alloc(n_bytes, 1);
-    if (!copy)
-        return nqm_fail_nomem(err, n_bytes);
-    if (n_bytes)
-        memcpy(copy, data, n_bytes);
-    nqm_status status = nqm_model_parse(copy, n_bytes, name, true, model_ret, err);
-    if (status == NQM_OK && !(*model_ret)->memory)
-        (*model_ret)->memory = copy;
-    else
-        nqm_free(copy);
-    return status;
-}
-
 nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err) {
     NQM_MAKE(err, model_ret, name);
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
