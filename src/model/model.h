@@ -114,10 +114,6 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 extern const char *const nqm_layout_words[], *const nqm_target_words[];
 /** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
 const char *nqm_scalar_name(size_t i);
-/** Number of scalar features in the model's input. */
-static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
-    return model->scalars.n;
-}
 /** Why a table (n, 3) of finite values cannot be struct nqm_model.interval; NULL: it can. */
 const char *nqm_interval_table_fault(size_t n, const double *table);
 /** Interpolate the interval around `jod` (finite) in a table (n, 3). */

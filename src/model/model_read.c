@@ -187,7 +187,7 @@ static nqm_status read_scalars(const reader *r, struct nqm_model *model) {
 }
 
 static nqm_status read_directions(reader *r, struct nqm_model *model) {
-    size_t width = model->params.shape.sizes[0], n_scalars = nqm_model_n_scalars(model);
+    size_t width = model->params.shape.sizes[0], n_scalars = model->scalars.n;
     size_t per_direction = nqm_features_width(model->features.layout, 1);
     size_t n = width > n_scalars ? (width - n_scalars) / per_direction : 0;
     const nqm_tensor *tensor = nqm_safetensors_find(r->st, "directions_deg");

@@ -169,7 +169,7 @@ TEST(test_named_scalars) {
     nqm_model *loaded;
     assert_int_equal(nqm_model_save(few, scratch_path("model"), NULL), NQM_OK);
     assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
-    assert_int_equal(nqm_model_n_scalars(loaded), 5);
+    assert_int_equal(loaded->scalars.n, 5);
     assert_string_equal(loaded->scalar_names, some);
     float ref[3 * N], test[3 * N];
     double jod[2], scalars[NQM_SCALAR_COUNT], first = 0;

@@ -40,11 +40,7 @@ static const nqm_option options_rows[] = {
 
 const nqm_option_table nqm_bench_option_table = {options_rows, sizeof options_rows / sizeof *options_rows, NULL};
 
-nqm_bench_options nqm_bench_options_default(void) {
-    nqm_bench_options options = {0};
-    (void)!nqm_options_begin(&nqm_bench_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_bench_option, 0)
 
 nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err) {
     *bench_ret = NULL;
@@ -63,9 +59,7 @@ nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_
         return status;
     }
     nqm_bench_add_units(bench);
-    for (size_t i = 0; i < NQM_BENCH_LEVELS; ++i)
-        if (nqm_bench_level_bytes(i))
-            nqm_bench_read_meter(bench, nqm_bench_level_bytes(i));
+    nqm_bench_read_meter(bench, bench->memory_bytes);
     *bench_ret = bench;
     return NQM_OK;
 }

@@ -17,10 +17,6 @@
 
 /* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
 
-/** Caches whose size the system knows, and memory: L1, L2, L3, memory. */
-enum { NQM_BENCH_LEVELS = 4, NQM_BENCH_MEMORY = 256000000 };
-/** Size of an array that fits into a level with all threads, half of it, and not into the one before; bytes; 0: unknown. */
-size_t nqm_bench_level_bytes(size_t level);
 /** Facts about the machine and this build, for the results. */
 json_t *nqm_bench_machine(void);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */

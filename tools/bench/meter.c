@@ -154,7 +154,7 @@ double nqm_bench_meter_peak(const nqm_bench_meter *meter) {
 nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err) {
     if (bench->memory)
         return NQM_OK;
-    bench->memory_bytes = bench->options.quick ? 16000000 : NQM_BENCH_MEMORY;
+    bench->memory_bytes = bench->options.quick ? 16000000 : 256000000; /* more than the caches */
     bench->memory = nqm_alloc(bench->memory_bytes, 1);
     if (!bench->memory)
         return nqm_fail_nomem(err, bench->memory_bytes);
