@@ -53,7 +53,7 @@ static bool needs_sums(const nqm_composer *c, bool with_metrics) {
     return c->model->scalars.n > 0 || c->model->transport || with_metrics;
 }
 
-/* The number of pairs from the first on that have its reference. */
+/* How many pairs at the beginning have the same reference. */
 static size_t run_of(size_t n, const nqm_sample_pair *pairs) {
     size_t run = 1;
     while (run < n && pairs[run].ref == pairs[0].ref)
