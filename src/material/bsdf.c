@@ -265,7 +265,7 @@ bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const ch
     if (p->model)
         reading->values = nqm_values_of(nqm_schema_find(p->model, strlen(p->model)));
     while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
-        if (!nqm_rules_apply(reading, property->name, property))
+        if (!nqm_rules_apply(reading, property->name, property, nqm_bsdf_find(r, property->name) != property))
             return false;
     if (!p->model && *reading->varies.text)
         return nqm_refuse(reading, bsdf, "a measured BSDF with maps is not supported");

@@ -218,14 +218,13 @@ static void read_object(reader *r, const nqm_gltf_group *group, const char *path
     r->object = object;
     r->reading.rules = group->rules;
     r->reading.owner = group->name;
-    r->reading.given = 0;
     json_object_foreach(object, name, value) {
         property p = {.value = value};
         snprintf(p.path, sizeof p.path, "%s%.100s", prefix, name);
         const bool is_free =
             strcmp(name, "extras") == 0 || (strcmp(name, "extensions") == 0 && json_object_size(p.value) == 0);
         if (!is_free && r->status == NQM_OK)
-            nqm_rules_apply(&r->reading, name, &p);
+            nqm_rules_apply(&r->reading, name, &p, false); /* the JSON has none twice */
     }
 }
 

@@ -22,10 +22,7 @@ const nqm_gltf_group nqm_gltf_members = {
       "emissiveFactor", NULL, NQM_IGNORE_EMISSION, false},
      TEXTURE("normalTexture", NULL),
      {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL, 0, false},
-     NQM_RULE_LATER("name"),
-     NQM_RULE_LATER("extensions"),
-     NQM_RULE_LATER("pbrMetallicRoughness"),
-     NQM_RULE_LATER("alphaMode"),
+     NQM_RULE_LATER("name extensions pbrMetallicRoughness alphaMode"),
      NQM_RULE_IGNORED("alphaCutoff doubleSided")}};
 
 const nqm_gltf_group nqm_gltf_core = {

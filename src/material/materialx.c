@@ -287,9 +287,12 @@ static bool read_shader(reading *r) {
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next) {
         const char *name = nqm_xml_get(e, "name");
-        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
-            ok = is_usd && name && !nqm_rule_find(r->surface->inputs, name) ? nqm_mtlx_read_unused(&r->reading, NULL, e)
-                                                                            : nqm_rules_apply(&r->reading, name, e);
+        if (strcmp(e->name, "input") != 0 || !nqm_mtlx_has_value(e))
+            continue;
+        if (is_usd && name && !nqm_rule_find(r->surface->inputs, name))
+            nqm_mtlx_read_unused(&r->reading, NULL, e);
+        else
+            ok = nqm_rules_apply(&r->reading, name, e, find_input(&r->reading, name) != e);
     }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);

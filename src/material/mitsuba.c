@@ -5,6 +5,7 @@
  * all other plugins.
  */
 #include "material/mitsuba.h"
+#include "schema/models.h"
 
 #include <math.h>
 #include <strings.h>
@@ -262,8 +263,7 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return true;
 }
 
-#define NUMBER(NAME)                                                                                                   \
-    { .name = NAME, .read = set_or_map, .key = NAME, .n = 1 }
+#define KEY(INDEX, NAME, TYPE, ...) {.name = NAME, .read = set_or_map, .key = NAME, .n = NQM_KEY_N(TYPE)},
 #define COLOUR(NAME, KEY)                                                                                              \
     { .name = NAME, .read = set_or_map, .key = KEY, .n = 3 }
 #define OWN(NAME, READ)                                                                                                \
@@ -280,16 +280,14 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
      .finish = finish_conductor,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), COLOUR("eta", "eta"), COLOUR("k", "k"),
-               NQM_RULE_LATER("material"), COLOUR("specular_reflectance", "specular_reflectance"),
-               NQM_RULE_IGNORED("sample_visible")}},
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               COLOUR("eta", "eta"), COLOUR("k", "k"), NQM_RULE_LATER("material"),
+               COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("sample_visible")}},
     {.type = "roughplastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               NQM_RULE_LATER("int_ior ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag),
                NQM_RULE_IGNORED("sample_visible")}},
     {.type = "conductor",
@@ -300,43 +298,20 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "plastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {NQM_RULE_LATER("int_ior ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag)}},
     {.type = "principled",
      .model = "principled",
-     .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("anisotropic"), NUMBER("metallic"),
-               OWN("eta", read_eta), OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"),
-               NUMBER("sheen_tint"), NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
-               NQM_RULE_WEIGHT("spec_trans", TRANSMITS, NQM_IGNORE_TRANSMISSION),
+     .rules = {OWN("eta", read_eta), OWN("specular", read_specular),
+               NQM_PRINCIPLED_KEYS(KEY) NQM_RULE_WEIGHT("spec_trans", TRANSMITS, NQM_IGNORE_TRANSMISSION),
                NQM_RULE_IGNORED(
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     /* Blender's, as doc/blender.py writes it */
     {.type = "blender-principled",
      .model = "blender-principled",
-     .rules = {COLOUR("base_color", "base_color"),
-               NUMBER("metallic"),
-               NUMBER("roughness"),
-               NUMBER("ior"),
-               NUMBER("diffuse_roughness"),
-               NUMBER("specular_ior_level"),
-               COLOUR("specular_tint", "specular_tint"),
-               NUMBER("anisotropic"),
-               NUMBER("anisotropic_rotation"),
-               NUMBER("coat_weight"),
-               NUMBER("coat_roughness"),
-               NUMBER("coat_ior"),
-               COLOUR("coat_tint", "coat_tint"),
-               NUMBER("sheen_weight"),
-               NUMBER("sheen_roughness"),
-               COLOUR("sheen_tint", "sheen_tint"),
-               NUMBER("thin_film_thickness"),
-               NUMBER("thin_film_ior"),
-               NUMBER("multiscatter"),
-               NQM_RULE_WEIGHT("transmission_weight", TRANSMITS, NQM_IGNORE_TRANSMISSION),
+     .rules = {NQM_BLENDER_KEYS(KEY) NQM_RULE_WEIGHT("transmission_weight", TRANSMITS, NQM_IGNORE_TRANSMISSION),
                NQM_RULE_ASIDE("subsurface_weight", SCATTERS, NQM_IGNORE_SUBSURFACE), /* of the base colour */
-               NQM_RULE_ASIDE("emission_strength", EMITS, NQM_IGNORE_EMISSION),
-               OPAQUE("alpha"),
+               NQM_RULE_ASIDE("emission_strength", EMITS, NQM_IGNORE_EMISSION), OPAQUE("alpha"),
                NQM_RULE_IGNORED("subsurface_radius subsurface_scale subsurface_ior subsurface_anisotropy "
                                 "emission_color")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
@@ -344,15 +319,14 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughdielectric",
      .model = "rough-conductor",
      .finish = finish_dielectric,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("specular_reflectance", "specular_reflectance"),
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               NQM_RULE_LATER("int_ior ext_ior"), COLOUR("specular_reflectance", "specular_reflectance"),
                NQM_RULE_IGNORED("specular_transmittance sample_visible")}},
     {.type = "dielectric thindielectric",
      .model = "rough-conductor",
      .finish = finish_dielectric,
-     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("specular_transmittance")}},
+     .rules = {NQM_RULE_LATER("int_ior ext_ior"), COLOUR("specular_reflectance", "specular_reflectance"),
+               NQM_RULE_IGNORED("specular_transmittance")}},
     {.type = "principledthin", .refusal = TRANSMITS},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "pplastic measured_polarized polarizer retarder circular",
