@@ -7,7 +7,7 @@
  * stores a checksum of the file in the header.
  */
 #include "io/io.h"
-#include "io/options_json.h"
+#include "io/json.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,6 @@
 #define _GNU_SOURCE /* strcasestr */
 #include "material/gltf.h"
 #include "io/io.h"
-#include "io/options_json.h"
 
 #include "schema/models.h"
 #include <limits.h>

@@ -5,9 +5,8 @@
 #ifndef NQM_SRC_MATERIAL_GLTF_H
 #define NQM_SRC_MATERIAL_GLTF_H
 
-#include "io/json_where.h"
+#include "io/json.h"
 #include "material/rules.h"
-#include <jansson.h>
 
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
