@@ -119,4 +119,14 @@ void nqm_material_format_names(char *text, size_t n_text);
 /** As nqm_materials_open(), of an open file. */
 NQM_MUST_CHECK nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret, nqm_error *err);
 
+/* ---- colours of files to linear BT.709 (color_space.c) ----------------------------------------------------------- */
+
+/** Convert rgb (3) from the colour space of this name (those of MaterialX; NULL, "" and "none": no conversion). false: no such
+ *  space. Values may leave 0 to 1 where the space is larger than BT.709. */
+bool nqm_color_to_rec709(const char *space, double *rgb);
+/** The component with sRGB's curve to linear (IEC 61966-2-1). */
+double nqm_srgb_to_linear(double v);
+/** The inverse. */
+double nqm_linear_to_srgb(double v);
+
 #endif

@@ -63,9 +63,6 @@ NQM_MUST_CHECK nqm_status nqm_mtlx_read_document(const struct nqm_xml *xml, cons
 static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
-/** Convert n values from the unit that an element names to that of its definition: angles to degrees, thicknesses of films to
- *  micrometres in OpenPBR and to nanometres in the others, as sizes of images, of which ratios count. false: the material is refused. */
-bool nqm_mtlx_convert_unit(nqm_mtlx_graph *graph, const struct nqm_xml_element *element, size_t n, double *v);
 /** Add to the remark on the material. */
 void nqm_mtlx_remark(nqm_mtlx_graph *graph, const char *text);
 

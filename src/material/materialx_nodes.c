@@ -6,7 +6,6 @@
  * is not in the table refuses the material.
  */
 #include "io/xml.h"
-#include "material/color_space.h"
 #include "material/materialx.h"
 #include "material/materialx_program.h"
 
@@ -153,6 +152,38 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
     return true;
 }
 
+/* Units (MaterialX Specification, "Units"), in degrees and nanometres. */
+static const struct unit {
+    const char *name;
+    bool is_angle;
+    double size;
+} units[] = {{"degree", true, 1},        {"radian", true, 57.29577951308232},
+             {"nanometer", false, 1},    {"micron", false, 1e3},
+             {"micrometer", false, 1e3}, {"millimeter", false, 1e6},
+             {"centimeter", false, 1e7}, {"inch", false, 25.4e6},
+             {"foot", false, 304.8e6},   {"yard", false, 914.4e6},
+             {"meter", false, 1e9},      {"kilometer", false, 1e12},
+             {"mile", false, 1609.344e9}};
+
+/* Convert n values from the unit that an element names to that of its definition: angles to degrees, thicknesses of films to micrometres
+ * in OpenPBR and to nanometres in the others, as sizes of images, of which ratios count. false: the material is refused. */
+static bool convert_unit(graph *g, element *e, size_t n, double *v) {
+    const char *name = nqm_xml_get(e, "name"), *unit = nqm_xml_get(e, "unit");
+    const struct unit *u = units, *end = units + sizeof units / sizeof *units;
+    if (!unit)
+        return true;
+    while (u < end && strcmp(u->name, unit) != 0)
+        ++u;
+    const bool is_film = name && strstr(name, "thickness"), is_size = name && strncmp(name, "realworld", 9) == 0;
+    if (u == end || (!u->is_angle && !is_film && !is_size))
+        return nqm_refuse(g->reading, g->input, "%s: the unit '%.40s' of '%.60s' is not known here", g->name, unit,
+                          name ? name : e->name);
+    const double to = is_film && nqm_texts_equal(e->parent->name, "open_pbr_surface") ? 1e3 : 1;
+    for (size_t c = 0; c < n; ++c)
+        v[c] *= u->size / to;
+    return true;
+}
+
 /* The value that an element has itself; of the type, unless it names another. */
 static uint16_t read_constant(graph *g, element *e, const char *type) {
     static const char *const counts[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
@@ -181,7 +212,7 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
             return REFUSE(g, "%s is not finite", name);
-    if (!nqm_mtlx_convert_unit(g, e, n, v))
+    if (!convert_unit(g, e, n, v))
         return NQM_NO_NODE;
     return nqm_graph_value(g->t, n, v);
 }

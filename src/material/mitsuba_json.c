@@ -5,7 +5,7 @@
  */
 #include "io/io.h"
 #include "io/json.h"
-#include "material/mitsuba.h"
+#include "material/bsdf.h"
 
 enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 256, MAX_NUMBERS = 9 };
 

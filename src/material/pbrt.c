@@ -3,7 +3,7 @@
  * Materials of pbrt-v4 scenes (pbrt_scene.c) as shadings, and shadings as such materials. `conductor`, `diffuse`,
  * `coateddiffuse`, `coatedconductor` and `measured` are read, with textures of the classes imagemap, constant, scale and
  * mix. Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as
- * "metal-Au-eta" are the RGB values of metals.c.
+ * "metal-Au-eta" are the RGB values of bsdf.c.
  */
 #include "material/pbrt.h"
 
