@@ -97,8 +97,9 @@ static int64_t byte_of(const reader *r, const char *path) {
     return (int64_t)(r->document.source_at + nqm_json_path(&r->document.source, r->at, path));
 }
 
+/* at: a property, which begins with its path, or a path. */
 static int64_t byte_of_property(const nqm_reading *r, const void *at) {
-    return byte_of((const reader *)r, ((const property *)at)->path);
+    return byte_of((const reader *)r, at);
 }
 
 /* The path of a property as messages have it. */
@@ -109,16 +110,12 @@ static const char *shown_path(const char *path) {
 
 /* Refuse the material as "PROPERTY: REASON". `path` is that of the property in the material. */
 static bool refuse(reader *r, const char *path, const char *value, const char *reason) {
-    property at = {.value = NULL};
-    snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value, reason);
+    return nqm_refuse(&r->reading, path, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value, reason);
 }
 
 /* The same, unless `ignorable` is ignored. */
 static bool set_aside(reader *r, unsigned ignorable, const char *path, const char *value, const char *reason) {
-    property at = {.value = NULL};
-    snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value,
+    return nqm_set_aside(&r->reading, ignorable, path, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value,
                          reason);
 }
 

@@ -36,7 +36,6 @@ typedef struct nqm_mtlx_graph {
         const char *output;
         uint16_t value;
     } built[NQM_MAX_MAP_NODES]; /**< nodes of the document and what they have become */
-    char remark[NQM_REMARK_SIZE];
     /* of the input that is read: */
     const struct nqm_xml_element *input;
     const char *name;
@@ -63,7 +62,5 @@ NQM_MUST_CHECK nqm_status nqm_mtlx_read_document(const struct nqm_xml *xml, cons
 static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
-/** Add to the remark on the material. */
-void nqm_mtlx_remark(nqm_mtlx_graph *graph, const char *text);
 
 #endif

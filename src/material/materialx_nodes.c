@@ -110,7 +110,7 @@ bool nqm_mtlx_has_value(element *e) {
 /* What the element itself says about its value. */
 static void take_remark(graph *g, element *e) {
     if (nqm_xml_get(e, "remark"))
-        nqm_mtlx_remark(g, nqm_xml_get(e, "remark"));
+        nqm_textured_remark(g->t, nqm_xml_get(e, "remark"));
 }
 
 /* Names an element for messages: in other nodes than the shader, with the node. Returns text. */
@@ -365,8 +365,9 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
     } else if (nqm_mtlx_child(g, node, "input", is_usd ? "fallback" : "default"))
         nqm_reading_unused(g->reading, is_usd ? "fallback" : "default");
     if (nqm_texts_equal(kind->name, "hextiledimage"))
-        nqm_mtlx_remark(g, "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
-                           "the same, their order is not");
+        nqm_textured_remark(g->t,
+                            "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
+                            "the same, their order is not");
     return nqm_graph_add(g->t, result);
 }
 
@@ -538,9 +539,4 @@ uint16_t nqm_mtlx_read(graph *g, element *input, const char *name, const char *t
     if (value == NQM_NO_NODE)
         return REFUSE(g, "%s: out of memory", name);
     return value;
-}
-
-void nqm_mtlx_remark(graph *g, const char *text) {
-    nqm_remark_add(g->remark, sizeof g->remark, "%s", text);
-    g->reading->remark = g->remark;
 }

@@ -203,8 +203,6 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
     char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_values_spec(&r->values) : NULL;
     char words[NQM_IGNORE_SIZE];
-    if (r->remark)
-        nqm_textured_remark(t, r->remark);
     if (spec && r->metal) {
         char *mixture = nqm_strdupf("between:t=%.17g;with=(%s);of=%s", r->metal_share, r->metal, spec);
         nqm_free(spec);

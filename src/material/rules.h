@@ -41,8 +41,6 @@ nqm_rule_read nqm_rule_later;
     { .name = (NAMES) }
 #define NQM_RULE_LATER(NAMES)                                                                                          \
     { .name = (NAMES), .read = nqm_rule_later }
-#define NQM_RULE_ZERO(NAME, WHY)                                                                                       \
-    { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY) }
 #define NQM_RULE_WEIGHT(NAME, WHY, IGNORABLE)                                                                          \
     { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY), .ignorable = (IGNORABLE), .is_weight = true }
 #define NQM_RULE_ASIDE(NAME, WHY, IGNORABLE)                                                                           \
@@ -74,7 +72,6 @@ struct nqm_reading {
     const nqm_rule *rules;
     const char *owner;            /**< what has the properties, for messages */
     nqm_values values;            /**< schema NULL: of a measured file */
-    const char *remark;           /**< on the material (nqm_material_info); of the reader; NULL: none */
     const char *file;             /**< of a measured material; NULL: the shading is the result */
     char unused[NQM_REMARK_SIZE]; /**< nqm_material_info.unused */
     nqm_textured
