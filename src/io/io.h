@@ -213,8 +213,7 @@ typedef struct nqm_mesh {
     size_t n_vertices, n_triangles;
     float *position;    /* (n_vertices, 3) */
     uint32_t *triangle; /* (n_triangles, 3) vertex indices, winding order as in the file */
-    float *
-        normal; /* (n_vertices, 3) unit vectors; area-weighted means of the triangles' normals when the file has none */
+    float *normal;      /* (n_vertices, 3) unit vectors; without them in the file area-weighted means of triangles */
 } nqm_mesh;
 
 enum { NQM_MESH_MAX_VERTICES = 20000000, NQM_MESH_MAX_TRIANGLES = 20000000 };

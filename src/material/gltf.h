@@ -11,8 +11,8 @@
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
     const char *name;
-    const char *refusal; /**< why materials with it are refused; NULL: they are read */
     nqm_rule rules[10];  /**< those with a key first */
+    const char *refusal; /**< why materials with it are refused; NULL: they are read */
 } nqm_gltf_group;
 
 /** The members of a material itself, pbrMetallicRoughness and what may stand for it, and the other extensions. */
