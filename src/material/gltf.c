@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular,
- * _ior, _anisotropy, _iridescence, _clearcoat and _sheen, and KHR_materials_pbrSpecularGlossiness. Meshes and everything else of the file are not read; the
- * materials are parsed one by one, because the tree of a whole file takes twenty times its bytes. Textures are in
- * gltf_textures.c.
+ * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb), with the properties of gltf_properties.c and the textures of
+ * gltf_textures.c. They are parsed one by one, because the tree of a whole file takes twenty times its bytes.
  */
 #define _GNU_SOURCE /* strcasestr */
 #include "material/gltf.h"

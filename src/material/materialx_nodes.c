@@ -17,8 +17,7 @@ typedef nqm_mtlx_graph graph;
 enum { MAX_HOPS = 64 };
 
 /* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the
- * program, which is in reverse Polish notation: digits are constants, `!` makes an operand of the result so far, and
- * materialx_program.c has the operations. */
+ * program (materialx_program.h). */
 typedef struct node_kind {
     const char *name, *operands, *program;
     /* Of a node that reads an image, which is I in the program: its texture coordinates. */
