@@ -58,20 +58,14 @@ static nqm_status decode_raster(const nqm_map *map, nqm_image *image, nqm_error 
     nqm_raster raster = {0};
     nqm_status status = nqm_raster_size(map->data, map->n_bytes, map->path, &width, &height, err);
     if (status == NQM_OK)
-        status = nqm_image_check_size(map, width, height, INFINITY, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
+        status = nqm_image_alloc(map, width, height, INFINITY, image, err);
     if (status == NQM_OK)
         status = nqm_raster_decode(map->data, map->n_bytes, map->path, &raster, err);
     if (status == NQM_OK && raster.type != NQM_RASTER_F32 && (raster.type != NQM_RASTER_U8 || raster.channels != 4))
         status = nqm_fail(err, NQM_ERR_FORMAT, 24,
                           "%s: a light map in a PNG has RGBE pixels in 8-bit RGBA; this one has not", map->path);
-    if (status == NQM_OK && raster.type == NQM_RASTER_F32 && raster.channels == 3) {
-        *image = (nqm_image){raster.width, raster.height, raster.data};
-        raster.data = NULL;
-    } else if (status == NQM_OK) {
-        status = nqm_image_alloc(map, width, height, INFINITY, image, err);
-        if (status == NQM_OK)
-            convert(&raster, image);
-    }
+    if (status == NQM_OK)
+        convert(&raster, image);
     nqm_raster_clear(&raster);
     return status;
 }

@@ -63,4 +63,23 @@ static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
 
+/* ---- programs (materialx_program.c): what a node computes, in reverse Polish notation. a, b, ... are its operands, I its image,
+ * digits are constants, P is pi / 180, x, y and z take a component, `!` makes an operand of the result so far, and run_operation()
+ * has the other letters. */
+
+enum { NQM_MTLX_OPERANDS = 16 };
+/** The operands and results of a program. */
+typedef struct nqm_mtlx_program {
+    nqm_textured *t;
+    size_t n_operands, n_stack;
+    uint16_t operand[NQM_MTLX_OPERANDS], stack[NQM_MTLX_OPERANDS], image;
+} nqm_mtlx_program;
+
+/** The node of the result; NQM_NO_NODE as of nqm_graph_add(). */
+uint16_t nqm_mtlx_run(nqm_mtlx_program *m, const char *program);
+/** Components of a node; of NQM_NO_NODE 1. */
+size_t nqm_mtlx_width(const nqm_textured *t, uint16_t node);
+/** The value with n components: a number is repeated, others are cut, or continued as MaterialX's node convert does. */
+uint16_t nqm_mtlx_resize(nqm_textured *t, uint16_t node, size_t n);
+
 #endif

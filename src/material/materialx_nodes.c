@@ -7,7 +7,6 @@
  */
 #include "io/xml.h"
 #include "material/materialx.h"
-#include "material/materialx_program.h"
 
 #include <math.h>
 
@@ -17,7 +16,7 @@ typedef nqm_mtlx_graph graph;
 enum { MAX_HOPS = 64 };
 
 /* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the
- * program (materialx_program.h). */
+ * program (materialx.h). */
 typedef struct node_kind {
     const char *name, *operands, *program;
     /* Of a node that reads an image, which is I in the program: its texture coordinates. */
