@@ -233,12 +233,9 @@ static bool is_zero(const json_t *value) {
 /* Specular-glossiness stands for metallic-roughness, and its defaults are other ones. */
 static void begin_glossiness(reader *r, const json_t *list, const json_t *core) {
     static const char *const others[] = {"KHR_materials_specular", "KHR_materials_ior"};
-    const double one = 1, zero = 0;
-    nqm_values *values = &r->reading.values;
-    nqm_values_set(values, "metallic", 1, &zero);
-    nqm_values_set(values, "roughness", 1, &zero);
-    nqm_values_set(values, "ior", 1, &zero);
-    nqm_values_set(values, "base_color", 1, &one);
+    static const char *const keys[] = {"metallic", "roughness", "ior", "base_color"};
+    for (size_t i = 0; i < 4; ++i)
+        nqm_values_set(&r->reading.values, keys[i], 1, &(double){i == 3});
     for (size_t i = 0; i < 2; ++i)
         if (json_object_get(list, others[i]))
             refuse(r, "extensions.KHR_materials_pbrSpecularGlossiness", "",

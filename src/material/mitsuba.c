@@ -256,10 +256,9 @@ static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const double grey = 0.5; /* Mitsuba's default; the key is required */
     (void)bsdf;
-    if (!nqm_values_given(&r->reading.values, "kd"))
-        nqm_values_set(&r->reading.values, "kd", 1, &grey);
+    if (!nqm_values_given(&r->reading.values, "kd")) /* Mitsuba's default; the key is required */
+        nqm_values_set(&r->reading.values, "kd", 1, &(double){0.5});
     return true;
 }
 
