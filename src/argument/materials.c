@@ -25,32 +25,35 @@ static nqm_status fail_select(const nqm_argument *a, nqm_error *err) {
                                 a->path, names);
 }
 
-/* The next material that the argument may mean, from number `from` on; SIZE_MAX: there is none. */
-static size_t find_meant(const nqm_argument *a, size_t from) {
-    const bool is_only = from == 0 && nqm_materials_count(a->materials) == 1;
-    return a->member ? nqm_materials_find(a->materials, a->member, from) : is_only ? 0 : SIZE_MAX;
+/* The material that the argument means, and another one of its name; SIZE_MAX: there is none. */
+static size_t find_meant(const nqm_argument *a, size_t *other_ret) {
+    *other_ret = SIZE_MAX;
+    return a->member                                ? nqm_materials_find(a->materials, a->member, other_ret)
+           : nqm_materials_count(a->materials) == 1 ? 0
+                                                    : SIZE_MAX;
 }
 
 static nqm_status select_material(const nqm_argument *a, size_t *index_ret, nqm_error *err) {
-    const size_t found = find_meant(a, 0), next = found == SIZE_MAX ? SIZE_MAX : find_meant(a, found + 1);
-    *index_ret = found;
-    if (found == SIZE_MAX)
+    size_t other;
+    *index_ret = find_meant(a, &other);
+    if (*index_ret == SIZE_MAX)
         return fail_select(a, err);
-    if (next == SIZE_MAX)
+    if (other == SIZE_MAX)
         return NQM_OK;
-    const int64_t first = nqm_materials_get(a->materials, found).byte_offset,
-                  other = nqm_materials_get(a->materials, next).byte_offset;
-    return nqm_fail(err, NQM_ERR_FORMAT, other,
+    const int64_t first_byte = nqm_materials_get(a->materials, *index_ret).byte_offset,
+                  other_byte = nqm_materials_get(a->materials, other).byte_offset;
+    return nqm_fail(err, NQM_ERR_FORMAT, other_byte,
                     "%s: two materials have the name '%s' (bytes %lld and %lld); rename one", a->path, a->member,
-                    (long long)first, (long long)other);
+                    (long long)first_byte, (long long)other_byte);
 }
 
 bool nqm_argument_material(const nqm_argument *a, nqm_material_info *info) {
-    size_t i = 0;
-    const bool is_one = a->materials && select_material(a, &i, NULL) == NQM_OK;
-    if (is_one)
+    size_t i = SIZE_MAX, other = SIZE_MAX;
+    if (a->materials)
+        i = find_meant(a, &other);
+    if (i != SIZE_MAX && other == SIZE_MAX)
         *info = nqm_materials_reflecting(a->materials, i, a->ignored);
-    return is_one;
+    return i != SIZE_MAX && other == SIZE_MAX;
 }
 
 const nqm_materials *nqm_argument_library(const nqm_argument *a) {

@@ -142,10 +142,9 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
 
 /* glTF's default is metal, which no list of maps means: it is 0 in lists and folders that do not give it. */
 static void set_default_metallic(nqm_textured *t) {
-    const double zero = 0;
     if (t->values.schema != &nqm_gltf_schema || is_given(t, find_key(t, "metallic")))
         return;
-    nqm_values_set(&t->values, "metallic", 1, &zero);
+    nqm_values_set(&t->values, "metallic", 1, &(double){0});
     nqm_textured_remark(t, "metallic is 0, as nothing gives it");
 }
 

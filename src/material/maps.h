@@ -96,9 +96,7 @@ typedef struct nqm_textured {
     nqm_values values; /**< with values of all properties that are constant */
     size_t n_outputs;
     nqm_map_output outputs[NQM_SCHEMA_MAX_KEYS];
-    uint16_t
-        normal; /**< the node of the normal, a unit vector in the frame of tangent (u), bitangent (v upwards) and normal;
-                          NQM_NO_NODE: (0, 0, 1) */
+    uint16_t normal; /**< a unit vector in the frame of tangent (u), bitangent (v upwards), normal; NQM_NO_NODE: z */
     size_t n_nodes, max_nodes;
     nqm_map_node *nodes;
     size_t n_images, max_images;

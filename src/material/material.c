@@ -13,9 +13,11 @@ struct nqm_materials {
     const char *path;                          /* while the file is read, for messages */
     size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
-        nqm_material_info info; /* each name owns a block with the other texts */
-        nqm_textured *textured; /* NULL: none */
+        nqm_material_info info;         /* each name owns a block with the other texts */
+        nqm_textured *textured;         /* NULL: none */
+        const struct entry *other;      /* the next one of the same name, of the first one; NULL: none */
     } * list;                           /* (n) */
+    nqm_index by_name;                  /* the first of each name, when the file is read */
     char unread[NQM_REMARK_SIZE - 100]; /* included files that are not read, for the remarks of all materials */
     size_t n_more;                      /* that are not named there */
 };
@@ -30,10 +32,26 @@ size_t nqm_materials_count(const nqm_materials *materials) {
     return materials->n;
 }
 
-size_t nqm_materials_find(const nqm_materials *materials, const char *name, size_t from) {
-    while (from < materials->n && strcmp(materials->list[from].info.name, name) != 0)
-        ++from;
-    return from < materials->n ? from : SIZE_MAX;
+static nqm_index_key name_of(const void *value) {
+    return (nqm_index_key){.name = ((const struct entry *)value)->info.name};
+}
+
+static nqm_status index_names(nqm_materials *m, nqm_error *err) {
+    nqm_status status = nqm_index_create(m->n, name_of, &m->by_name, err);
+    for (size_t i = 0; i < m->n && status == NQM_OK; ++i) {
+        struct entry *first = (struct entry *)(uintptr_t)nqm_index_find(&m->by_name, name_of(&m->list[i]));
+        if (!first)
+            nqm_index_add(&m->by_name, &m->list[i]);
+        else if (!first->other)
+            first->other = &m->list[i];
+    }
+    return status;
+}
+
+size_t nqm_materials_find(const nqm_materials *m, const char *name, size_t *other_ret) {
+    const struct entry *first = nqm_index_find(&m->by_name, (nqm_index_key){.name = name});
+    *other_ret = first && first->other ? (size_t)(first->other - m->list) : SIZE_MAX;
+    return first ? (size_t)(first - m->list) : SIZE_MAX;
 }
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
@@ -68,6 +86,7 @@ void nqm_materials_free(nqm_materials *materials) {
         nqm_free((char *)materials->list[i].info.name);
         nqm_textured_free(materials->list[i].textured);
     }
+    nqm_index_free(&materials->by_name);
     nqm_free(materials->list);
     nqm_free(materials);
 }
@@ -214,6 +233,8 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
     if (status == NQM_OK && materials->n == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material%s%.300s", map->path,
                           format->name, *materials->unread ? "; " : "", materials->unread);
+    if (status == NQM_OK)
+        status = index_names(materials, err);
     if (status == NQM_OK)
         *materials_ret = materials;
     else

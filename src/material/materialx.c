@@ -177,7 +177,7 @@ static bool check_coat_normal(reading *r) {
     if (r->coat_normal_node != NQM_NO_NODE)
         return nqm_refuse(&r->reading, r->coat_normal, "%s changes the normal of the coat alone; a BRDF has one normal",
                           nqm_xml_get(r->coat_normal, "name"));
-    nqm_mtlx_remark(&r->graph, "the coat, which is smooth in the file, has the normal map of the base");
+    nqm_textured_remark(r->graph.t, "the coat, which is smooth in the file, has the normal map of the base");
     return true;
 }
 
@@ -194,8 +194,9 @@ bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const voi
     reading *r = (reading *)base;
     if (read_map(r, rule, property) == NQM_NO_NODE || !is_same_color(r, "subsurface_color", "base_color"))
         return nqm_rule_neutral(base, rule, property);
-    nqm_mtlx_remark(&r->graph, "light leaves the surface where it arrives: the map of the subsurface scattering, which "
-                               "has the color of the base, is ignored");
+    nqm_textured_remark(r->graph.t,
+                        "light leaves the surface where it arrives: the map of the subsurface scattering, which "
+                        "has the color of the base, is ignored");
     return true;
 }
 
@@ -203,7 +204,7 @@ bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void 
     reading *r = (reading *)base;
     if (read_map(r, rule, property) == NQM_NO_NODE)
         return nqm_rule_neutral(base, rule, property);
-    nqm_mtlx_remark(&r->graph, "the map of the emission is ignored: emission is no part of a BRDF");
+    nqm_textured_remark(r->graph.t, "the map of the emission is ignored: emission is no part of a BRDF");
     return true;
 }
 
@@ -218,13 +219,13 @@ bool nqm_mtlx_read_unused(nqm_reading *r, const nqm_rule *rule, const void *prop
     (void)rule;
     snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
     if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(property, "value"), "0"))
-        nqm_mtlx_remark(&((reading *)r)->graph, text);
+        nqm_textured_remark(r->textured, text);
     return true;
 }
 
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
-    nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
+    nqm_textured_remark(r->textured, NQM_OCCLUSION_REMARK);
     return true;
 }
 
@@ -280,9 +281,12 @@ static bool read_shader(reading *r) {
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next) {
         const char *name = nqm_xml_get(e, "name");
-        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
-            ok = is_usd && name && !nqm_rule_find(r->surface->inputs, name) ? nqm_mtlx_read_unused(&r->reading, NULL, e)
-                                                                            : nqm_rules_apply(&r->reading, name, e);
+        if (strcmp(e->name, "input") != 0 || !nqm_mtlx_has_value(e))
+            continue;
+        if (is_usd && name && !nqm_rule_find(r->surface->inputs, name))
+            nqm_mtlx_read_unused(&r->reading, NULL, e);
+        else
+            ok = nqm_rules_apply(&r->reading, name, e, find_input(&r->reading, name) != e);
     }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
@@ -336,11 +340,10 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->graph.t = r->reading.textured;
     r->graph.n_built = 0;
     r->graph.depth = 0;
-    *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
-    if (nqm_xml_get(material, "remark"))
-        nqm_mtlx_remark(&r->graph, nqm_xml_get(material, "remark"));
+    if (has_memory && nqm_xml_get(material, "remark"))
+        nqm_textured_remark(r->graph.t, nqm_xml_get(material, "remark"));
     if (r->shader && has_memory)
         check_displacement(r, material);
     if (!nqm_materials_reserve(materials, 0))

@@ -4,8 +4,8 @@
  * without an "id" has the name of its entry, and inside of a shape that of the shape.
  */
 #include "io/io.h"
-#include "io/options_json.h"
-#include "material/mitsuba.h"
+#include "io/json.h"
+#include "material/bsdf.h"
 
 enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 256, MAX_NUMBERS = 9 };
 

@@ -9,7 +9,6 @@
 
 #include "base/names.h"
 #include "fit/fit.h"
-#include "material/color_space.h"
 #include "material/gltf.h"
 #include "schema/models.h"
 #include "texture/score.h"

@@ -2,7 +2,7 @@
  *
  * Output of the tool: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
  */
-#include "io/options_json.h"
+#include "io/json.h"
 #include "nqm/tool.h"
 
 #include <math.h>
