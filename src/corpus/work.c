@@ -6,7 +6,7 @@
  */
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
-#include "fit/open.h"
+#include "fit/fit.h"
 #include "io/options_json.h"
 #include "percept/percept.h"
 

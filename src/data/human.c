@@ -2,7 +2,7 @@
  *
  * Access to the answers of people, and ceilings of the fraction of choices that a predictor can reproduce.
  */
-#include "data/human.h"
+#include "data/data.h"
 
 #include <math.h>
 

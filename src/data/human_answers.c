@@ -2,7 +2,7 @@
  *
  * Finds the columns of a CSV of answers, detects its form (scores or choices) and reads the values.
  */
-#include "data/human.h"
+#include "data/data.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  * and test; a BRDF that is in several of them is sampled once.
  */
 #include "argument/argument.h"
-#include "data/human.h"
+#include "data/data.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,7 @@
  *
  * The encodings hyper-*: networks predicted by the embedded hypernetwork from samples of a BRDF.
  */
-#include "encode/hyper.h"
-#include "encode/nbrdf_net.h"
+#include "encode/encode.h"
 #include "math/math.h"
 
 #include <math.h>

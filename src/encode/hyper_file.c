@@ -4,7 +4,7 @@
  * files.
  */
 #include "brdf/brdf.h"
-#include "encode/hyper.h"
+#include "encode/encode.h"
 
 #include <string.h>
 

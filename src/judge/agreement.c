@@ -3,7 +3,7 @@
  * Computes the agreement of predictions with labels, with bootstrap percentile intervals, and contrasts between
  * predictors. bootstrap.c draws the resamples.
  */
-#include "judge/agreement.h"
+#include "judge/judge.h"
 #include "math/math.h"
 
 #include <math.h>

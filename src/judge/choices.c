@@ -2,9 +2,8 @@
  *
  * The fraction of people's choices between two tests that predictors reproduce.
  */
-#include "data/human.h"
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "data/data.h"
+#include "judge/judge.h"
 
 #include <math.h>
 #include <string.h>

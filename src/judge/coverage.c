@@ -2,8 +2,7 @@
  *
  * Coverage of a model's intervals: the fraction of labels inside, over all pairs, by material and by predicted JOD.
  */
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 
 #include <math.h>

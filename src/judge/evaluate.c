@@ -3,7 +3,7 @@
  * Predictions of models, of the nine scalar metrics and of light transport for the pairs of a dataset. evaluate_judge.c judges
  * selections of them.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 

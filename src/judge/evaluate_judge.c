@@ -2,8 +2,7 @@
  *
  * Judges the predictions of an evaluation on the pairs that the options select; agreement.c computes the statistics.
  */
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 
 #include <math.h>
 

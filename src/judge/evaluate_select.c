@@ -2,7 +2,7 @@
  *
  * Selects pairs of an evaluation according to the options.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 
 #include <string.h>
 

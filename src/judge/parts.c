@@ -3,8 +3,7 @@
  * How well a model predicts the parts of labels, beside what light transport estimates and the scalar features that are closest
  * to each part by definition.
  */
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
  * Weights of the parts of a difference, fitted to people's answers by logistic regression with weights >= 0 and a ridge: the
  * similarity of a model for one study. What it gains is measured on materials that the weights were not fitted to.
  */
-#include "judge/agreement.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 
 #include <math.h>

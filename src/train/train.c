@@ -8,7 +8,6 @@
 #include "math/math.h"
 #include "metric/metric.h"
 #include "percept/percept.h"
-#include "train/calibrate.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  * Human answers: scores become a dataset with the samples of the named BRDFs, choices are summed and evaluated as by
  * hand, and invalid files are refused with the row.
  */
-#include "data/human.h"
+#include "data/data.h"
 #include "judge/judge.h"
 #include "math/math.h"
 #include "support/check.h"

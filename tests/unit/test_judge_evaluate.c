@@ -4,8 +4,7 @@
  * one that copies the resampled pairs, and models and metrics on a dataset against single predictions.
  */
 #include "io/io.h"
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"

@@ -3,7 +3,7 @@
  * Evaluation of the parts of labels against correlations of single predictions, the estimate by light transport, and
  * subsets of pairs.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"

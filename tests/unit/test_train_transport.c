@@ -3,7 +3,7 @@
  * Training of models that correct estimates by light transport: targets, the matrix in the model, predictions recomputed from
  * the network's output, training without the matrix, equal bits after resuming, and the refused target.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/sums.h"
