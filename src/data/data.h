@@ -204,19 +204,13 @@ typedef enum nqm_human_kind {
 /** People's answers with the BRDFs that they are about. Immutable; any thread. */
 typedef struct nqm_human nqm_human;
 
-/** Options of nqm_human_load(); from nqm_human_options_default(). */
+/** Options of nqm_human_load(). */
 typedef struct nqm_human_options {
     const char *root;                 /**< folder of relative paths of BRDFs; NULL: the current folder */
     const nqm_directions *directions; /**< where BRDFs are sampled, used during the call only; NULL: the default set */
-    double
-        min_valid_fraction; /**< a pair whose BRDFs both have a value at a smaller fraction of the directions is refused;
-                                    0..1, default 0.9 */
-    nqm_progress_fn progress; /**< NULL: none */
+    nqm_progress_fn progress;         /**< NULL: none */
     void *progress_user;
 } nqm_human_options;
-
-/** The defaults above. */
-nqm_human_options nqm_human_options_default(void);
 
 /**
  * Read answers and sample the BRDFs. The CSV has the columns `reference`, `test` (BRDFs as for nqm_brdf_open()) and one of
@@ -224,8 +218,7 @@ nqm_human_options nqm_human_options_default(void);
  * resampling, and the set inside which tests are compared; default the reference) and `kind` (a name for the kind of test; not
  * with choices). Other columns are ignored. Rows about the same three BRDFs are added up, whichever test is called a.
  *
- * @param options  NULL: the defaults
- * @return NQM_ERR_ARG (options), NQM_ERR_FORMAT, NQM_ERR_IO and others from the CSV and the BRDFs; the message names the file and
+ * @return NQM_ERR_FORMAT, NQM_ERR_IO and others from the CSV and the BRDFs; the message names the file and
  *         the row, counted from 1 after the header; NQM_ERR_INCOMPATIBLE (too few valid directions, a reference of two
  *         materials), NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */

@@ -6,10 +6,6 @@
 
 #include <math.h>
 
-nqm_human_options nqm_human_options_default(void) {
-    return (nqm_human_options){.min_valid_fraction = 0.9};
-}
-
 const char *nqm_human_kind_name(nqm_human_kind kind) {
     static const char *const names[] = {"score", "jod", "distance", "choice"};
     return (size_t)kind < sizeof names / sizeof *names ? names[kind] : NULL;

@@ -117,11 +117,13 @@ static nqm_status sample_brdf(reader *r, const char *name, size_t row, float *rg
     return NQM_OK;
 }
 
+static const double least_valid = 0.9; /* fraction of the directions at which both BRDFs of a pair need a value */
+
 static nqm_status check_valid(const reader *r, const entry *e, const uint8_t *ref_used, const uint8_t *test_used) {
     size_t n_valid = 0, n = r->builder.dataset->n_directions;
     for (size_t i = 0; i < n; ++i)
         n_valid += ref_used[i] && test_used[i];
-    if (n_valid > 0 && (double)n_valid >= r->options->min_valid_fraction * (double)n)
+    if (n_valid > 0 && (double)n_valid >= least_valid * (double)n)
         return NQM_OK;
     return nqm_fail(r->err, NQM_ERR_INCOMPATIBLE, -1,
                     "%s: row %zu: both BRDFs have a value at only %zu of %zu directions ('%.100s', '%.100s')",
@@ -288,12 +290,9 @@ static nqm_status gather_triplets(reader *r) {
 
 nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
                           nqm_error *err) {
-    NQM_MAKE(err, human_ret, csv_path);
-    nqm_human_options o = options ? *options : nqm_human_options_default();
-    if (!(o.min_valid_fraction >= 0 && o.min_valid_fraction <= 1))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1", o.min_valid_fraction);
+    *human_ret = NULL;
     nqm_csv *csv = NULL;
-    reader r = {.human = nqm_alloc(1, sizeof *r.human), .options = &o, .err = err};
+    reader r = {.human = nqm_alloc(1, sizeof *r.human), .options = options, .err = err};
     nqm_status status = r.human ? nqm_csv_load(csv_path, &csv, err) : nqm_fail_nomem(err, sizeof *r.human);
     if (status == NQM_OK)
         status = nqm_answers_read(csv, csv_path, &r.answers, err);

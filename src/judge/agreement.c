@@ -84,6 +84,16 @@ size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap) {
     return n_groups < 4 ? 0 : n_bootstrap;
 }
 
+double nqm_share_of(size_t n_groups, size_t stride, const double *met, const double *all, const double *weight) {
+    double sum = 0, n = 0;
+    for (size_t g = 0; g < n_groups; ++g) {
+        const double times = weight ? weight[g] : 1;
+        sum += times * met[g * stride];
+        n += times * all[g];
+    }
+    return sum / n;
+}
+
 void nqm_interval95(size_t n, double *x, double ci95[2]) {
     size_t n_numbers = 0;
     for (size_t i = 0; i < n; ++i)

@@ -73,7 +73,6 @@ typedef struct nqm_evaluation nqm_evaluation;
  * @param datasets (n_models) for models of different directions: the pairs of `dataset`, in its order, at the directions of
  *                 each model; they must outlive the evaluation. Metrics and the estimate are those of `dataset`. NULL: all
  *                 models have the directions of `dataset`
- * @param options  NULL: the defaults
  * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
@@ -93,7 +92,6 @@ const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
 /**
  * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
  *
- * @param options  NULL: the defaults
  * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
@@ -147,7 +145,6 @@ typedef struct nqm_coverage {
  * Coverage of one model on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
  *
  * @param model    number of a predictor that is a model with intervals (nqm_model_info.calibration is not "")
- * @param options  NULL: the defaults
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or labels are not JOD), NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options,
@@ -174,7 +171,6 @@ enum { NQM_EVAL_PARTS = 6 };
  * Judge the parts that one model predicts on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
  *
  * @param model    number of a predictor that is a model with parts: nqm_evaluation_labels() is not NULL
- * @param options  NULL: the defaults
  * @param results  (NQM_EVAL_PARTS)
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or the labels have no parts), NQM_ERR_NOMEM
  */
@@ -195,7 +191,7 @@ typedef struct nqm_choice_agreement {
 /**
  * Judge every predictor of an evaluation of human->dataset on the choices.
  *
- * @param options  n_bootstrap and seed are used; NULL: the defaults
+ * @param options  n_bootstrap and seed are used
  * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
@@ -225,7 +221,7 @@ typedef struct nqm_readout {
 /**
  * Fit a readout. The answers were sampled at the directions of the model.
  *
- * @param options  n_bootstrap and seed are used; NULL: the defaults
+ * @param options  n_bootstrap and seed are used
  * @return NQM_ERR_INCOMPATIBLE: the model has no transport matrix, or fewer than 5 materials have answers; NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
@@ -273,6 +269,8 @@ void nqm_interval95(size_t n, double *x, double ci95[2]);
  *  with probability n^-n for each group; where this exceeds 2.5 %, the ends of the interval would be statistics of
  *  single groups. */
 size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap);
+/** The sum of met (n_groups, stride) over that of all (n_groups); weight (n_groups): how often each group counts; NULL: once. */
+double nqm_share_of(size_t n_groups, size_t stride, const double *met, const double *all, const double *weight);
 /** Statistics of first - second over resamples (n, NaN ignored). value: difference without resampling; scratch (n). */
 nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch);
 

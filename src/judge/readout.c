@@ -109,12 +109,7 @@ static void cross_validate(const fit_work *w, const double *all, double *times, 
 }
 
 static double share_of(const fit_work *w, int score, const double *times) {
-    double met = 0, choices = 0;
-    for (size_t g = 0; g < w->n_groups; ++g) {
-        met += (times ? times[g] : 1) * w->met[g * SCORES + (size_t)score];
-        choices += (times ? times[g] : 1) * w->choices[g];
-    }
-    return met / choices;
+    return nqm_share_of(w->n_groups, SCORES, w->met + score, w->choices, times);
 }
 
 /* ---- intervals --------------------------------------------------------------------------------------------------- */
@@ -236,10 +231,8 @@ static nqm_status fit_readout(const fit_work *w, uint64_t seed, nqm_readout *to,
 
 nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model, const nqm_eval_options *options,
                                  nqm_readout *readout_ret, nqm_error *err) {
-    NQM_REQUIRE(err, human, model, readout_ret);
-    const nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const nqm_dataset *d = human->dataset;
-    fit_work w = {.n_groups = d->n_groups, .n_pairs = d->n_pairs, .n_resamples = o.n_bootstrap};
+    fit_work w = {.n_groups = d->n_groups, .n_pairs = d->n_pairs, .n_resamples = options->n_bootstrap};
     nqm_triplet *own = NULL;
     double *times, *z;
     if (!model->transport)
@@ -259,7 +252,7 @@ nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
         status = predict(human, model, &w, err);
     if (status == NQM_OK) {
         *readout_ret = (nqm_readout){0};
-        status = fit_readout(&w, o.seed, readout_ret, times, z, err);
+        status = fit_readout(&w, options->seed, readout_ret, times, z, err);
     }
     nqm_free(w.mean);
     nqm_free(own);
