@@ -153,6 +153,7 @@ struct nqm_corpus {
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     size_t n_directions;
+    size_t n_keep_name, n_keep; /* of options->keep: nqm_corpus_parse_keep() */
     nqm_corpus_list list;
     nqm_scene *scene;
     nqm_corpus_cache *cache;

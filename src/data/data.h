@@ -17,7 +17,7 @@
 
 /**
  * A dataset: references, tests (one per pair), labels and names. The split is stored per material group, not per pair
- * or reference, so that no file can assign one material to two splits. Created by an nqm_dataset_builder or by
+ * or reference, so that no file can assign one material to two splits. Created by nqm_dataset_begin() or by
  * nqm_dataset_parse().
  */
 struct nqm_dataset {
@@ -59,18 +59,13 @@ static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */
 
-/** A dataset under construction: call nqm_dataset_begin(), nqm_dataset_add_...() and nqm_dataset_finish(). The caller
- *  writes the samples into ref_rgb and test_rgb, and the masks, before nqm_dataset_finish(). */
-typedef struct nqm_dataset_builder {
-    nqm_dataset *dataset;       /* its counts are those of the rows added so far; its arrays are zeroed */
-    size_t max_refs, max_pairs; /* rows of its arrays; there is room for max_refs groups */
-} nqm_dataset_builder;
-
-/** Sizes for which a builder allocates memory. */
+/** Sizes of a dataset under construction: nqm_dataset_begin(), nqm_dataset_add_...() and nqm_dataset_finish(). Its counts are those
+ *  of the rows added so far, its arrays are zeroed; the caller writes the samples into ref_rgb and test_rgb, and the masks, before
+ *  nqm_dataset_finish(). */
 typedef struct nqm_dataset_limits {
     size_t n_directions;
     const double *directions_deg; /* (n_directions, 3), copied */
-    size_t max_refs, max_pairs;   /* references and pairs that may be added */
+    size_t max_refs, max_pairs;   /* references, and so groups, and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
     bool has_parts;               /* allocate parts; the caller sets them */
     bool has_errors;              /* the same of delta_e_error */
@@ -79,26 +74,26 @@ typedef struct nqm_dataset_limits {
                                      which must outlive the dataset */
 } nqm_dataset_limits;
 
-NQM_MUST_CHECK nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_builder *builder_ret,
+NQM_MUST_CHECK nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset **dataset_ret,
                                             nqm_error *err);
 /** Find the material group called `name` (n_name bytes), or add it with this split. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_group(nqm_dataset_builder *builder, const char *name, size_t n_name,
-                                                nqm_split split, uint32_t *group_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_dataset_add_group(nqm_dataset *dataset, const char *name, size_t n_name, nqm_split split,
+                                                uint32_t *group_ret, nqm_error *err);
 /** Find the kind called `name`, or add it. family: NULL for all kinds, or for none. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_kind(nqm_dataset_builder *builder, const char *name, const char *family,
+NQM_MUST_CHECK nqm_status nqm_dataset_add_kind(nqm_dataset *dataset, const char *name, const char *family,
                                                uint32_t *kind_ret, nqm_error *err);
 /** Append a reference (index dataset->n_refs) or a pair (index dataset->n_pairs); at most max_refs and max_pairs. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_reference(nqm_dataset_builder *builder, const char *name, uint32_t group,
+NQM_MUST_CHECK nqm_status nqm_dataset_add_reference(nqm_dataset *dataset, const char *name, uint32_t group,
                                                     nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_dataset_add_pair(nqm_dataset_builder *builder, uint32_t ref, const char *test,
-                                               uint32_t kind, double delta_e, double jod, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_dataset_add_pair(nqm_dataset *dataset, uint32_t ref, const char *test, uint32_t kind,
+                                               double delta_e, double jod, nqm_error *err);
 /**
  * Complete the dataset: set its manifest (NULL: none) and the hash of its content.
  *
  * @param status  result of the previous calls; if it is not NQM_OK, the dataset is freed and `status` is returned
  * @param name    name for the messages of nqm_dataset_validate(); NULL: the dataset is not validated
  */
-NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_status status, const char *manifest,
+NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset *dataset, nqm_status status, const char *manifest,
                                              const char *name, nqm_dataset **dataset_ret, nqm_error *err);
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
