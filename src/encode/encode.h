@@ -97,7 +97,7 @@ void nqm_nbrdf_fill(size_t n, const double *hd, const double *rgb, float *input,
  */
 double nqm_nbrdf_loss(const float *weights, const nqm_nbrdf_batch *batch, float *gradient);
 
-/* ---- the hypernetwork (hyper_net.c; file: hyper_file.c; input samples and use: hyper.c) -------------------------- */
+/* ---- the hypernetwork (network: hyper_net.c; file, input samples and use: hyper.c) ------------------------------- */
 
 /* After Gokbudak et al. 2024, arXiv:2311.15783, "Hypernetworks for Generalizable BRDF Representation": a network on each sample of a
  * BRDF, mean and maximum over all samples, and a second network that predicts the weights of an NBRDF. */

@@ -22,13 +22,12 @@
 
 extern const nqm_option_table nqm_fit_option_table;
 
-/* ---- losses (loss.c) ---------------------------------------------------------------------------------------------- */
+/* ---- losses (target.c) ------------------------------------------------------------------------------------------- */
 
 /** Indexed by nqm_fit_loss. */
 extern const nqm_value_difference nqm_fit_losses[];
-/** The words of nqm_fit_loss, NULL-terminated. The first NQM_FIT_N_CORPUS_LOSSES are those of the paths in corpora. */
+/** The words of nqm_fit_loss, NULL-terminated. */
 extern const char *const nqm_fit_loss_words[];
-enum { NQM_FIT_N_CORPUS_LOSSES = 4 };
 
 /** The curve of a loss at weight f, and its derivative by f; f >= 0. */
 double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
@@ -156,7 +155,7 @@ void nqm_fit_eval(const nqm_fit_space *space, const nqm_values *values, size_t n
 void nqm_fit_slopes(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
                     const double *rgb, double *columns);
 
-/* ---- starts (keys.c: what keys of shading models mean; starts.c) -------------------------------------------------- */
+/* ---- starts (starts.c) ------------------------------------------------------------------------------------------- */
 
 /** Bounds and scale of a key of a shading model, and the layer that it describes. */
 nqm_fit_parameter nqm_fit_describe(const nqm_schema *schema, size_t key);
