@@ -115,7 +115,6 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .max_refs = c->list.n_refs,
                                        .max_pairs = c->list.n_rows,
                                        .has_parts = true,
-                                       .has_errors = true,
                                        .has_transport = has_matrix,
                                        .borrows_samples = true};
     nqm_dataset *d, *dataset = NULL;

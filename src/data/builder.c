@@ -17,7 +17,7 @@ static nqm_status allocate_arrays(const nqm_dataset_limits *l, nqm_dataset *d, n
             {l->has_masks ? &d->ref_used : NULL, r, n}, {l->has_masks ? &d->test_used : NULL, p, n},
             {&d->delta_e, p, sizeof *d->delta_e}, {&d->jod, p, sizeof *d->jod},
             {l->has_parts ? &d->parts : NULL, p, NQM_LABEL_PARTS * sizeof *d->parts},
-            {l->has_errors ? &d->delta_e_error : NULL, p, sizeof *d->delta_e_error},
+            {l->has_parts ? &d->delta_e_error : NULL, p, sizeof *d->delta_e_error},
             {l->has_transport ? &d->transport : NULL, n, 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport},
             {l->has_transport ? &d->transport_points : NULL, NQM_TRANSPORT_POINTS, 3 * sizeof *d->transport_points},
             {&d->pair_ref, p, sizeof *d->pair_ref}, {&d->pair_kind, p, sizeof *d->pair_kind},

@@ -67,8 +67,7 @@ typedef struct nqm_dataset_limits {
     const double *directions_deg; /* (n_directions, 3), copied */
     size_t max_refs, max_pairs;   /* references, and so groups, and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
-    bool has_parts;               /* allocate parts; the caller sets them */
-    bool has_errors;              /* the same of delta_e_error */
+    bool has_parts;               /* allocate parts and delta_e_error; the caller sets them */
     bool has_transport;           /* the same of transport and transport_points */
     bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */

@@ -155,28 +155,23 @@ static void find_intervals(const fit_work *w, uint64_t seed, nqm_readout *to, do
 /* Choices, or for scores each two tests of a material whose scores differ; *own_ret owns the latter. */
 static nqm_status list_triplets(const nqm_human *h, fit_work *w, nqm_triplet **own_ret, nqm_error *err) {
     const nqm_dataset *d = h->dataset;
-    size_t n = 0;
+    size_t max_n = 0;
     w->t = h->triplets;
     w->n = h->n_triplets;
     if (h->kind == NQM_HUMAN_CHOICE)
         return NQM_OK;
-    for (int pass = 0; pass < 2; ++pass) {
-        n = 0;
-        for (size_t b = 0; b < d->n_pairs; ++b)
-            for (size_t a = 0; a < b; ++a) {
-                const uint32_t group = d->ref_group[d->pair_ref[a]];
-                const double x = d->jod[a], y = d->jod[b];
-                if (group != d->ref_group[d->pair_ref[b]] || x == y)
-                    continue;
-                if (pass)
-                    (*own_ret)[n] = (nqm_triplet){group, (uint32_t)a, (uint32_t)b, x > y, y > x};
-                ++n;
-            }
-        if (pass == 0 && !(*own_ret = nqm_alloc(n, sizeof **own_ret)))
-            return nqm_fail_nomem(err, n * sizeof **own_ret);
-    }
-    w->t = *own_ret;
-    w->n = n;
+    for (size_t b = 0; b < d->n_pairs; ++b)
+        for (size_t a = 0; a < b; ++a) {
+            const uint32_t group = d->ref_group[d->pair_ref[a]];
+            const double x = d->jod[a], y = d->jod[b];
+            if (group != d->ref_group[d->pair_ref[b]] || x == y)
+                continue;
+            nqm_triplet *grown = nqm_grow(*own_ret, &max_n, w->n + 1, sizeof *grown);
+            if (!grown)
+                return nqm_fail_nomem(err, (w->n + 1) * sizeof *grown);
+            grown[w->n++] = (nqm_triplet){group, (uint32_t)a, (uint32_t)b, x > y, y > x};
+            w->t = *own_ret = grown;
+        }
     return NQM_OK;
 }
 

@@ -119,7 +119,6 @@ nqm_dataset *toy_dataset(const toy_options *o) {
                                        .max_pairs = n_refs * o->pairs_per_ref,
                                        .has_masks = o->with_masks,
                                        .has_parts = o->with_transport,
-                                       .has_errors = o->with_transport,
                                        .has_transport = o->with_transport};
     must(nqm_dataset_begin(&limits, &d, NULL));
     for (size_t r = 0; r < n_refs; ++r) {
