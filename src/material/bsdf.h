@@ -111,7 +111,7 @@ nqm_rule_read nqm_bsdf_file;
 
 /** Record that the property `node` is no constant, if it is the first one. */
 void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
-/** Whether a property, or NULL, is no constant. */
+/** Whether a property has a texture instead of a constant value; false for NULL. */
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
 /** Check the properties of the texture r->at: `read` names those that are read, `unused` those without effect, which are listed as such;
  *  any other refuses the material: false. */

@@ -33,8 +33,8 @@ NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, nqm_written_material *ma
 
 /** How many materials the file has. */
 size_t nqm_materials_count(const nqm_materials *materials);
-/** The numbers of the materials of that name, in the order of the file, and how many these are. */
-const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
+/** The first material of that name from number `from` on; SIZE_MAX: there is none. */
+size_t nqm_materials_find(const nqm_materials *materials, const char *name, size_t from);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** An empty list, for a reader; NULL: out of memory. path: of the file, for messages of nqm_materials_add(). */

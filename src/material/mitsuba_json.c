@@ -59,7 +59,7 @@ static nqm_status format_spectrum(const json_t *value, char **text, nqm_error *e
     return NQM_OK;
 }
 
-/* The value of a property, as text in `text` or in the JSON. */
+/* The value of a property as text, which is in `text` or belongs to the JSON. */
 static const char *value_of(const json_t *value, char text[TEXT_SIZE]) {
     if (json_is_boolean(value))
         return json_is_true(value) ? "true" : "false";

@@ -299,7 +299,7 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
 static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
                                nqm_error *err) {
     const unsigned char *data = t->data, *end = data + t->n_bytes;
-    if (value && nqm_all_within(nqm_tensor_count(t), value, least))
+    if (value && nqm_first_outside(nqm_tensor_count(t), value, least) == nqm_tensor_count(t))
         return NQM_OK;
     while (data < end && nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
