@@ -3,7 +3,7 @@
  * Fuzz target: the reader of dictionaries. The checksum is corrected first, because the reader checks it before the
  * content. Encoding a BRDF with an accepted dictionary must not crash.
  */
-#include "encode/sparse.h"
+#include "encode/encode.h"
 #include "fuzz.h"
 #include "support/encoder_files.h"
 

@@ -3,7 +3,7 @@
  * Fuzz target: answers of people in a CSV; the BRDFs that it names are not opened. An accepted file must have a finite
  * value for every test of every row; the numbers of choices must not be negative and not all 0.
  */
-#include "data/human.h"
+#include "data/data.h"
 #include "fuzz.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
  * content. Predicting weights with an accepted network must not return NQM_ERR_ARG.
  */
 #include "brdf/brdf.h"
-#include "encode/hyper.h"
+#include "encode/encode.h"
 #include "fuzz.h"
 #include "support/encoder_files.h"
 

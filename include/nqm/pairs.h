@@ -109,7 +109,7 @@ typedef struct nqm_column {
  * @param score    the result whose values are wanted; of a label one with these parts; NULL: none, only facts about the columns
  * @param texture  the same for those of textures
  */
-NQM_API nqm_column nqm_score_column(size_t i, const nqm_score_result *score, const nqm_texture_result *texture);
+NQM_API nqm_column nqm_pairs_column(size_t i, const nqm_score_result *score, const nqm_texture_result *texture);
 
 #ifdef __cplusplus
 }

@@ -1080,7 +1080,7 @@ FUNCTIONS = {
     "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
     "nqm_pairs_free": (None, [POINTER(Pairs)]),
     "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
-    "nqm_score_column": (Column, [c_size_t, POINTER(ScoreResult), POINTER(TextureResult)]),
+    "nqm_pairs_column": (Column, [c_size_t, POINTER(ScoreResult), POINTER(TextureResult)]),
     "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),

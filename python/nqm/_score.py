@@ -138,7 +138,7 @@ def columns_of(score: ScoreResult) -> Dict[str, Any]:
     """What the table of the library has of a score, by the names of its columns."""
     columns: Dict[str, Any] = {}
     for i in itertools.count():
-        c = lib.nqm_score_column(i, byref(score), None)
+        c = lib.nqm_pairs_column(i, byref(score), None)
         if not c.name:
             return columns
         if c.group in (_abi.ColumnGroup.LABEL, _abi.ColumnGroup.TEXTURE):

@@ -187,10 +187,9 @@ nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs, const nqm_di
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
     nqm_corpus c = {
         .options = &options, .directions = directions, .n_directions = nqm_directions_get_info(directions).n};
-    size_t n_name, n_kept;
     nqm_status status = nqm_options_check(&nqm_corpus_option_table, &options, err);
     if (status == NQM_OK)
-        status = nqm_corpus_parse_keep(options.keep, &n_name, &n_kept, err);
+        status = nqm_corpus_parse_keep(options.keep, &c.n_keep_name, &c.n_keep, err);
     if (status == NQM_OK)
         status = check_output(&options, path, err);
     if (status == NQM_OK)

@@ -52,7 +52,7 @@ void nqm_corpus_list_free(nqm_corpus_list *list);
 /** "train", "validation" or "test" */
 const char *nqm_corpus_split_name(nqm_split split);
 
-/* ---- checksums (content.c) --------------------------------------------------------------------------------------- */
+/* ---- checksums (work.c) ------------------------------------------------------------------------------------------ */
 
 /** SHA-256 of a file, or of the concatenation of two; path_more: NULL for one. */
 NQM_MUST_CHECK nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err);
@@ -153,6 +153,7 @@ struct nqm_corpus {
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     size_t n_directions;
+    size_t n_keep_name, n_keep; /* of options->keep: nqm_corpus_parse_keep() */
     nqm_corpus_list list;
     nqm_scene *scene;
     nqm_corpus_cache *cache;

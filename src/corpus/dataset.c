@@ -22,25 +22,25 @@ static void move_values(size_t n, float *rgb, uint8_t *used, size_t from, size_t
     memcpy(used + n * to, used + n * from, n);
 }
 
-static nqm_status add_row(nqm_corpus *c, size_t row, nqm_dataset_builder *b, nqm_error *err) {
+static nqm_status add_row(nqm_corpus *c, size_t row, nqm_dataset *d, nqm_error *err) {
     const nqm_curve curve = nqm_curve_published;
     const nqm_corpus_row *r = &c->list.rows[row];
-    const size_t pair = b->dataset->n_pairs;
+    const size_t pair = d->n_pairs;
     uint32_t kind = 0;
-    nqm_status status = nqm_dataset_add_kind(b, r->kind, r->family, &kind, err);
+    nqm_status status = nqm_dataset_add_kind(d, r->kind, r->family, &kind, err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_pair(b, (uint32_t)b->dataset->n_refs - 1, c->names[row], kind, c->label[row].delta_e,
+        status = nqm_dataset_add_pair(d, (uint32_t)d->n_refs - 1, c->names[row], kind, c->label[row].delta_e,
                                       nqm_curve_jod(&curve, c->label[row].delta_e), err);
     if (status != NQM_OK)
         return status;
     move_values(c->n_directions, c->test_rgb, c->test_used, row, pair);
-    nqm_label_get_parts(&c->label[row], b->dataset->parts + pair * NQM_LABEL_PARTS);
-    b->dataset->delta_e_error[pair] = c->label[row].error;
+    nqm_label_get_parts(&c->label[row], d->parts + pair * NQM_LABEL_PARTS);
+    d->delta_e_error[pair] = c->label[row].error;
     return NQM_OK;
 }
 
 /* The references that have a pair, with their pairs. A unit that is the first of its reference has the samples of that. */
-static nqm_status add_all(nqm_corpus *c, nqm_dataset_builder *b, nqm_error *err) {
+static nqm_status add_all(nqm_corpus *c, nqm_dataset *d, nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0, added = SIZE_MAX; i < c->n_units; ++i) {
         const nqm_corpus_unit *unit = &c->units[i];
@@ -51,17 +51,17 @@ static nqm_status add_all(nqm_corpus *c, nqm_dataset_builder *b, nqm_error *err)
             if (!c->kept[row])
                 continue;
             if (added != unit->ref) {
-                move_values(c->n_directions, c->ref_rgb, c->ref_used, i, b->dataset->n_refs);
-                status = nqm_dataset_add_group(b, group->name, strlen(group->name), group->split, &index, err);
+                move_values(c->n_directions, c->ref_rgb, c->ref_used, i, d->n_refs);
+                status = nqm_dataset_add_group(d, group->name, strlen(group->name), group->split, &index, err);
                 if (status == NQM_OK)
-                    status = nqm_dataset_add_reference(b, ref->name, index, err);
+                    status = nqm_dataset_add_reference(d, ref->name, index, err);
                 added = unit->ref;
             }
             if (status == NQM_OK)
-                status = add_row(c, row, b, err);
+                status = add_row(c, row, d, err);
         }
     }
-    if (status == NQM_OK && b->dataset->n_pairs == 0)
+    if (status == NQM_OK && d->n_pairs == 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair could be labelled: %s", c->failures[0]);
     return status;
 }
@@ -115,29 +115,26 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .max_refs = c->list.n_refs,
                                        .max_pairs = c->list.n_rows,
                                        .has_parts = true,
-                                       .has_errors = true,
                                        .has_transport = has_matrix,
                                        .borrows_samples = true};
-    nqm_dataset_builder b;
-    nqm_dataset *dataset = NULL;
+    nqm_dataset *d, *dataset = NULL;
     nqm_scene_options scene = c->options->scene;
     scene.n_lights = 0; /* the default of matrices, not that of the labels */
     scene.seed = BETTER_POINTS;
     char sha256[65], *manifest = nqm_corpus_manifest(c);
     if (!manifest)
         return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory ran out");
-    nqm_status status = nqm_dataset_begin(&limits, &b, err);
+    nqm_status status = nqm_dataset_begin(&limits, &d, err);
     if (status == NQM_OK) {
-        b.dataset->ref_rgb = c->ref_rgb;
-        b.dataset->ref_used = c->ref_used;
-        b.dataset->test_rgb = c->test_rgb;
-        b.dataset->test_used = c->test_used;
+        d->ref_rgb = c->ref_rgb;
+        d->ref_used = c->ref_used;
+        d->test_rgb = c->test_rgb;
+        d->test_used = c->test_used;
         if (has_matrix)
-            status = nqm_transport_fill(&scene, NQM_TRANSPORT_POINTS, b.dataset->transport, b.dataset->transport_points,
-                                        err);
+            status = nqm_transport_fill(&scene, NQM_TRANSPORT_POINTS, d->transport, d->transport_points, err);
         if (status == NQM_OK)
-            status = add_all(c, &b, err);
-        status = nqm_dataset_finish(&b, status, manifest, NULL, &dataset, err);
+            status = add_all(c, d, err);
+        status = nqm_dataset_finish(d, status, manifest, NULL, &dataset, err);
     }
     if (status == NQM_OK)
         status = nqm_dataset_write(dataset, path, sha256, err);

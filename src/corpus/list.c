@@ -21,7 +21,7 @@ static const char *text_or(const char *text, const char *fallback) {
 
 typedef struct kind {
     const char *name;
-    bool in_test, in_rest;
+    bool in_rest; /* in another split than the test split */
 } kind;
 
 /* Of a reference, a group or a kind, which begin with their name. */
@@ -101,10 +101,7 @@ static nqm_status add_ref(names *s, size_t i, const nqm_corpus_pair *pair, nqm_e
 static void add_kind(names *s, const nqm_corpus_pair *pair) {
     s->kinds[s->n_kinds].name = text_or(pair->kind, "pair");
     kind *one = &s->kinds[intern(&s->by_kind, s->kinds, sizeof *s->kinds, &s->n_kinds)];
-    if (pair->split == NQM_SPLIT_TEST)
-        one->in_test = true;
-    else
-        one->in_rest = true;
+    one->in_rest = one->in_rest || pair->split != NQM_SPLIT_TEST;
 }
 
 static nqm_status add_pair(names *s, size_t i, const nqm_corpus_pair *pair, nqm_error *err) {

@@ -76,8 +76,7 @@ nqm_status nqm_corpus_parse_keep(const char *keep, size_t *n_name_ret, size_t *n
 
 /* The rows of a family of one reference, and scratch. */
 typedef struct selection {
-    size_t n_name, n_kept; /* of nqm_corpus_parse_keep() */
-    size_t *index;         /* (n_rows); owns the block */
+    size_t *index; /* (n_rows); owns the block */
     double *jod;
     uint8_t *kept;
 } selection;
@@ -87,12 +86,12 @@ static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const sele
     size_t n = 0;
     for (size_t row = ref->first_row; row < ref->first_row + ref->n_rows; ++row) {
         const char *name = c->list.rows[row].family;
-        if (strlen(name) != s->n_name || strncmp(name, c->options->keep, s->n_name) != 0)
+        if (strlen(name) != c->n_keep_name || strncmp(name, c->options->keep, c->n_keep_name) != 0)
             continue;
         s->jod[n] = c->failures[row] ? NAN : nqm_curve_jod(&curve, c->label[row].delta_e);
         s->index[n++] = row;
     }
-    nqm_status status = n > 0 ? nqm_corpus_spread(n, s->jod, s->n_kept, s->kept, err) : NQM_OK;
+    nqm_status status = n > 0 ? nqm_corpus_spread(n, s->jod, c->n_keep, s->kept, err) : NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
         c->kept[s->index[i]] = s->kept[i];
     return status;
@@ -101,12 +100,11 @@ static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const sele
 nqm_status nqm_corpus_select(nqm_corpus *c, nqm_error *err) {
     selection s = {0};
     const size_t n = c->list.n_rows;
-    nqm_status status = nqm_corpus_parse_keep(c->options->keep, &s.n_name, &s.n_kept, err);
     for (size_t row = 0; row < n; ++row)
         c->kept[row] = !c->failures[row];
-    if (status != NQM_OK || s.n_name == 0)
-        return status;
-    status =
+    if (c->n_keep_name == 0)
+        return NQM_OK;
+    nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&s.index, n, sizeof *s.index}, {&s.jod, n, sizeof *s.jod}, {&s.kept, n, 1}), err);
     for (size_t r = 0; status == NQM_OK && r < c->list.n_refs; ++r)
         status = select_of(c, &c->list.refs[r], &s, err);

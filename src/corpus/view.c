@@ -5,7 +5,7 @@
  */
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
-#include "fit/open.h"
+#include "fit/fit.h"
 
 #include <pthread.h>
 #include <string.h>

@@ -17,7 +17,7 @@ static nqm_status allocate_arrays(const nqm_dataset_limits *l, nqm_dataset *d, n
             {l->has_masks ? &d->ref_used : NULL, r, n}, {l->has_masks ? &d->test_used : NULL, p, n},
             {&d->delta_e, p, sizeof *d->delta_e}, {&d->jod, p, sizeof *d->jod},
             {l->has_parts ? &d->parts : NULL, p, NQM_LABEL_PARTS * sizeof *d->parts},
-            {l->has_errors ? &d->delta_e_error : NULL, p, sizeof *d->delta_e_error},
+            {l->has_parts ? &d->delta_e_error : NULL, p, sizeof *d->delta_e_error},
             {l->has_transport ? &d->transport : NULL, n, 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport},
             {l->has_transport ? &d->transport_points : NULL, NQM_TRANSPORT_POINTS, 3 * sizeof *d->transport_points},
             {&d->pair_ref, p, sizeof *d->pair_ref}, {&d->pair_kind, p, sizeof *d->pair_kind},
@@ -25,8 +25,8 @@ static nqm_status allocate_arrays(const nqm_dataset_limits *l, nqm_dataset *d, n
         err);
 }
 
-nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_builder *builder_ret, nqm_error *err) {
-    *builder_ret = (nqm_dataset_builder){0};
+nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset **dataset_ret, nqm_error *err) {
+    *dataset_ret = NULL;
     nqm_dataset *d = nqm_alloc(1, sizeof *d);
     if (!d)
         return nqm_fail_nomem(err, sizeof *d);
@@ -39,24 +39,20 @@ nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_build
     }
     d->n_directions = limits->n_directions;
     d->directions_deg = d->directions->degrees;
-    *builder_ret = (nqm_dataset_builder){d, limits->max_refs, limits->max_pairs};
+    *dataset_ret = d;
     return NQM_OK;
 }
 
-nqm_status nqm_dataset_add_group(nqm_dataset_builder *b, const char *name, size_t n_name, nqm_split split,
-                                 uint32_t *group_ret, nqm_error *err) {
-    nqm_status status = nqm_names_intern(&b->dataset->group_names, name, n_name, group_ret, err);
-    if (status == NQM_OK && *group_ret == b->dataset->n_groups) {
-        if (b->dataset->n_groups == b->max_refs)
-            return nqm_fail(err, NQM_ERR_LIMIT, -1, "more material groups than the %zu references", b->max_refs);
-        b->dataset->group_split[b->dataset->n_groups++] = (uint8_t)split;
-    }
+nqm_status nqm_dataset_add_group(nqm_dataset *d, const char *name, size_t n_name, nqm_split split, uint32_t *group_ret,
+                                 nqm_error *err) {
+    nqm_status status = nqm_names_intern(&d->group_names, name, n_name, group_ret, err);
+    if (status == NQM_OK && *group_ret == d->n_groups)
+        d->group_split[d->n_groups++] = (uint8_t)split;
     return status;
 }
 
-nqm_status nqm_dataset_add_kind(nqm_dataset_builder *b, const char *name, const char *family, uint32_t *kind_ret,
+nqm_status nqm_dataset_add_kind(nqm_dataset *d, const char *name, const char *family, uint32_t *kind_ret,
                                 nqm_error *err) {
-    nqm_dataset *d = b->dataset;
     nqm_status status = nqm_names_intern(&d->kind_names, name, strlen(name), kind_ret, err);
     if (status == NQM_OK && *kind_ret == d->n_kinds && family)
         status = nqm_names_add(&d->kind_families, family, strlen(family), err);
@@ -64,19 +60,13 @@ nqm_status nqm_dataset_add_kind(nqm_dataset_builder *b, const char *name, const 
     return status;
 }
 
-nqm_status nqm_dataset_add_reference(nqm_dataset_builder *b, const char *name, uint32_t group, nqm_error *err) {
-    nqm_dataset *d = b->dataset;
-    if (d->n_refs == b->max_refs)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "more than the %zu references announced", b->max_refs);
+nqm_status nqm_dataset_add_reference(nqm_dataset *d, const char *name, uint32_t group, nqm_error *err) {
     d->ref_group[d->n_refs++] = group;
     return nqm_names_add(&d->ref_names, name, strlen(name), err);
 }
 
-nqm_status nqm_dataset_add_pair(nqm_dataset_builder *b, uint32_t ref, const char *test, uint32_t kind, double delta_e,
+nqm_status nqm_dataset_add_pair(nqm_dataset *d, uint32_t ref, const char *test, uint32_t kind, double delta_e,
                                 double jod, nqm_error *err) {
-    nqm_dataset *d = b->dataset;
-    if (d->n_pairs == b->max_pairs)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "more than the %zu pairs announced", b->max_pairs);
     d->pair_ref[d->n_pairs] = ref;
     d->pair_kind[d->n_pairs] = kind;
     d->delta_e[d->n_pairs] = delta_e;
@@ -84,9 +74,8 @@ nqm_status nqm_dataset_add_pair(nqm_dataset_builder *b, uint32_t ref, const char
     return nqm_names_add(&d->pair_names, test, strlen(test), err);
 }
 
-nqm_status nqm_dataset_finish(nqm_dataset_builder *b, nqm_status status, const char *manifest, const char *name,
+nqm_status nqm_dataset_finish(nqm_dataset *d, nqm_status status, const char *manifest, const char *name,
                               nqm_dataset **dataset_ret, nqm_error *err) {
-    nqm_dataset *d = b->dataset;
     *dataset_ret = NULL;
     if (status == NQM_OK)
         status = nqm_dataset_set_manifest(d, manifest, err);
@@ -98,6 +87,5 @@ nqm_status nqm_dataset_finish(nqm_dataset_builder *b, nqm_status status, const c
         *dataset_ret = d;
     else
         nqm_dataset_free(d);
-    *b = (nqm_dataset_builder){0};
     return status;
 }

@@ -17,7 +17,7 @@
 
 /**
  * A dataset: references, tests (one per pair), labels and names. The split is stored per material group, not per pair
- * or reference, so that no file can assign one material to two splits. Created by an nqm_dataset_builder or by
+ * or reference, so that no file can assign one material to two splits. Created by nqm_dataset_begin() or by
  * nqm_dataset_parse().
  */
 struct nqm_dataset {
@@ -59,46 +59,40 @@ static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */
 
-/** A dataset under construction: call nqm_dataset_begin(), nqm_dataset_add_...() and nqm_dataset_finish(). The caller
- *  writes the samples into ref_rgb and test_rgb, and the masks, before nqm_dataset_finish(). */
-typedef struct nqm_dataset_builder {
-    nqm_dataset *dataset;       /* its counts are those of the rows added so far; its arrays are zeroed */
-    size_t max_refs, max_pairs; /* rows of its arrays; there is room for max_refs groups */
-} nqm_dataset_builder;
-
-/** Sizes for which a builder allocates memory. */
+/** Sizes of a dataset under construction: nqm_dataset_begin(), nqm_dataset_add_...() and nqm_dataset_finish(). Its counts are those
+ *  of the rows added so far, its arrays are zeroed; the caller writes the samples into ref_rgb and test_rgb, and the masks, before
+ *  nqm_dataset_finish(). */
 typedef struct nqm_dataset_limits {
     size_t n_directions;
     const double *directions_deg; /* (n_directions, 3), copied */
-    size_t max_refs, max_pairs;   /* references and pairs that may be added */
+    size_t max_refs, max_pairs;   /* references, and so groups, and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
-    bool has_parts;               /* allocate parts; the caller sets them */
-    bool has_errors;              /* the same of delta_e_error */
+    bool has_parts;               /* allocate parts and delta_e_error; the caller sets them */
     bool has_transport;           /* the same of transport and transport_points */
     bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */
 } nqm_dataset_limits;
 
-NQM_MUST_CHECK nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_builder *builder_ret,
+NQM_MUST_CHECK nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset **dataset_ret,
                                             nqm_error *err);
 /** Find the material group called `name` (n_name bytes), or add it with this split. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_group(nqm_dataset_builder *builder, const char *name, size_t n_name,
-                                                nqm_split split, uint32_t *group_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_dataset_add_group(nqm_dataset *dataset, const char *name, size_t n_name, nqm_split split,
+                                                uint32_t *group_ret, nqm_error *err);
 /** Find the kind called `name`, or add it. family: NULL for all kinds, or for none. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_kind(nqm_dataset_builder *builder, const char *name, const char *family,
+NQM_MUST_CHECK nqm_status nqm_dataset_add_kind(nqm_dataset *dataset, const char *name, const char *family,
                                                uint32_t *kind_ret, nqm_error *err);
 /** Append a reference (index dataset->n_refs) or a pair (index dataset->n_pairs); at most max_refs and max_pairs. */
-NQM_MUST_CHECK nqm_status nqm_dataset_add_reference(nqm_dataset_builder *builder, const char *name, uint32_t group,
+NQM_MUST_CHECK nqm_status nqm_dataset_add_reference(nqm_dataset *dataset, const char *name, uint32_t group,
                                                     nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_dataset_add_pair(nqm_dataset_builder *builder, uint32_t ref, const char *test,
-                                               uint32_t kind, double delta_e, double jod, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_dataset_add_pair(nqm_dataset *dataset, uint32_t ref, const char *test, uint32_t kind,
+                                               double delta_e, double jod, nqm_error *err);
 /**
  * Complete the dataset: set its manifest (NULL: none) and the hash of its content.
  *
  * @param status  result of the previous calls; if it is not NQM_OK, the dataset is freed and `status` is returned
  * @param name    name for the messages of nqm_dataset_validate(); NULL: the dataset is not validated
  */
-NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_status status, const char *manifest,
+NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset *dataset, nqm_status status, const char *manifest,
                                              const char *name, nqm_dataset **dataset_ret, nqm_error *err);
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
@@ -189,5 +183,95 @@ NQM_MUST_CHECK nqm_status nqm_dataset_predict(const nqm_dataset_prediction *pred
 /** nqm_dataset_load() of the authors' layout. */
 NQM_MUST_CHECK nqm_status nqm_dataset_read_authors(const char *root, const char *labels_csv, nqm_split split,
                                                    nqm_dataset **dataset_ret, nqm_error *err);
+
+/* ---- answers of people (human_answers.c reads the CSV, human_file.c samples the BRDFs) --------------------------- */
+
+/** What people were asked; the columns of the CSV decide. */
+typedef enum nqm_human_kind {
+    NQM_HUMAN_SCORE = 0, /**< column `score`: opinion scores, higher is better */
+    NQM_HUMAN_JOD,       /**< column `jod`: JOD, 10 is no visible difference */
+    NQM_HUMAN_DISTANCE,  /**< column `distance`: perceived differences, higher is worse */
+    NQM_HUMAN_CHOICE /**< columns `test_a`, `test_b`: which is more like the reference; and `choice` (a or b, one person per
+                              row) or `n_a`, `n_b` (number of people who chose each) */
+} nqm_human_kind;
+
+/** People's answers with the BRDFs that they are about. Immutable; any thread. */
+typedef struct nqm_human nqm_human;
+
+/** Options of nqm_human_load(). */
+typedef struct nqm_human_options {
+    const char *root;                 /**< folder of relative paths of BRDFs; NULL: the current folder */
+    const nqm_directions *directions; /**< where BRDFs are sampled, used during the call only; NULL: the default set */
+    nqm_progress_fn progress;         /**< NULL: none */
+    void *progress_user;
+} nqm_human_options;
+
+/**
+ * Read answers and sample the BRDFs. The CSV has the columns `reference`, `test` (BRDFs as for nqm_brdf_open()) and one of
+ * `score`, `jod`, `distance`; or `reference`, `test_a`, `test_b` and `choice` or `n_a`, `n_b`. Optional: `material` (the unit of
+ * resampling, and the set inside which tests are compared; default the reference) and `kind` (a name for the kind of test; not
+ * with choices). Other columns are ignored. Rows about the same three BRDFs are added up, whichever test is called a.
+ *
+ * @return NQM_ERR_FORMAT, NQM_ERR_IO and others from the CSV and the BRDFs; the message names the file and
+ *         the row, counted from 1 after the header; NQM_ERR_INCOMPATIBLE (too few valid directions, a reference of two
+ *         materials), NQM_ERR_CANCELLED, NQM_ERR_NOMEM
+ */
+NQM_MUST_CHECK nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
+                                         nqm_error *err);
+/** Free; NULL is allowed. */
+void nqm_human_free(nqm_human *human);
+
+/** Facts about people's answers. */
+typedef struct nqm_human_info {
+    nqm_human_kind kind;
+    const char *kind_name;   /**< "score", "jod", "distance" or "choice"; static storage */
+    size_t n_rows;           /**< rows of the CSV */
+    size_t n_refs, n_groups; /**< references, materials */
+    size_t n_triplets;       /**< distinct (reference, test, test); 0 for scores */
+    double n_choices;        /**< answers of people; 0 for scores */
+    double ceiling;          /**< fraction of the choices that agrees with the majority in its triplet: the best that a
+                                      predictor can reach; of scores, Pearson's correlation that the true means are expected to have
+                                      with them, if columns sd and n or repeated rows say how noisy they are; else NaN */
+    double
+        ceiling_other_people; /**< fraction of the choices that agrees with the majority of the other people (a draw counts
+                                      half), over triplets with at least two choices; NaN without these */
+} nqm_human_info;
+nqm_human_info nqm_human_get_info(const nqm_human *human);
+
+/** Choices between two tests of a reference: how many people found test a (n_a) or b (n_b) more similar to it. */
+typedef struct nqm_triplet {
+    uint32_t group;
+    uint32_t a, b; /* pairs of the dataset, a < b, with the same reference */
+    double n_a, n_b;
+} nqm_triplet;
+
+struct nqm_human {
+    nqm_human_kind kind;
+    size_t n_rows;  /* rows of the CSV */
+    double ceiling; /* of nqm_human_info for scores */
+    /** The pairs as a dataset of test pairs for nqm_evaluation_create(). Scores: one pair per row, whose `jod` is the
+     *  score (a distance: times -1), to be judged by nqm_evaluation_judge(); errors in JOD are given for NQM_HUMAN_JOD
+     *  only, and ranges of JOD do not apply otherwise. Choices: the distinct pairs, whose `jod` is NaN; judge them with
+     *  nqm_human_judge_choices(). */
+    nqm_dataset *dataset;
+    size_t n_triplets;
+    nqm_triplet *triplets; /* (n_triplets) distinct triplets, sorted by group */
+};
+
+/** The columns and values of a CSV of answers. */
+typedef struct nqm_answers {
+    nqm_human_kind kind;
+    const nqm_csv *csv;                                            /* owned by the caller */
+    const char *path;                                              /* owned by the caller */
+    int reference, test[2], value[2], choice, material, test_kind; /* columns; -1: missing */
+    size_t n_rows, n_slots;                                        /* n_slots: tests per row, 1 or 2 */
+    double *values; /* (n_rows, n_slots) the score, or the number of people who chose each test; nqm_free() */
+} nqm_answers;
+
+/** "score", "jod", "distance" or "choice"; the first three are also the names of CSV columns. NULL: no such kind. */
+const char *nqm_human_kind_name(nqm_human_kind kind);
+
+NQM_MUST_CHECK nqm_status nqm_answers_read(const nqm_csv *csv, const char *path, nqm_answers *answers_ret,
+                                           nqm_error *err);
 
 #endif

@@ -17,7 +17,7 @@
 enum { MAX_DIRECTIONS = 100000, MAX_PATH_BYTES = 4096 };
 
 typedef struct reader {
-    nqm_dataset_builder builder;
+    nqm_dataset *dataset;
     const char *root, *csv_path;
     nqm_split split; /* assigned to every row */
     nqm_csv *csv;
@@ -44,7 +44,7 @@ static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error
     const char *model = nqm_csv_text(r->csv, row, r->model), *level = nqm_csv_text(r->csv, row, r->level);
     bool plain = strcmp(level, "0") == 0 && strcmp(model, "sbrdf") != 0 && strcmp(model, "hbrdf") != 0;
     snprintf(kind, sizeof kind, "%.40s%s%.20s", model, plain ? "" : ".", plain ? "" : level);
-    return nqm_dataset_add_kind(&r->builder, kind, "encoding", kind_ret, err);
+    return nqm_dataset_add_kind(r->dataset, kind, "encoding", kind_ret, err);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
@@ -102,22 +102,21 @@ static nqm_status read_rgb(reader *r, const char *path, float *rgb, nqm_error *e
 /* Find the reference whose samples were just read into row n_refs of ref_rgb: an earlier reference of the same material
  * with equal samples, or else a new one. */
 static nqm_status find_reference(reader *r, const char *name, uint32_t group, uint32_t *ref_ret, nqm_error *err) {
-    const nqm_dataset_builder *b = &r->builder;
-    const size_t n_columns = 3 * r->n_directions, n_refs = b->dataset->n_refs;
-    const float *rgb = b->dataset->ref_rgb + n_refs * n_columns;
+    const nqm_dataset *d = r->dataset;
+    const size_t n_columns = 3 * r->n_directions, n_refs = d->n_refs;
+    const float *rgb = d->ref_rgb + n_refs * n_columns;
     for (size_t i = n_refs; i-- > 0;)
-        if (b->dataset->ref_group[i] == group &&
-            memcmp(b->dataset->ref_rgb + i * n_columns, rgb, n_columns * sizeof *rgb) == 0) {
+        if (d->ref_group[i] == group && memcmp(d->ref_rgb + i * n_columns, rgb, n_columns * sizeof *rgb) == 0) {
             *ref_ret = (uint32_t)i;
             return NQM_OK;
         }
     *ref_ret = (uint32_t)n_refs;
-    return nqm_dataset_add_reference(&r->builder, name, group, err);
+    return nqm_dataset_add_reference(r->dataset, name, group, err);
 }
 
 static nqm_status read_row(reader *r, size_t row, nqm_error *err) {
     char path[MAX_PATH_BYTES];
-    nqm_dataset_builder *b = &r->builder;
+    nqm_dataset *d = r->dataset;
     const size_t n_columns = 3 * r->n_directions;
     const char *name = nqm_csv_text(r->csv, row, r->material);
     size_t n_material = material_length(name);
@@ -129,18 +128,18 @@ static nqm_status read_row(reader *r, size_t row, nqm_error *err) {
     if (status == NQM_OK)
         status = find_file(r, "ref", name, n_material, path, err);
     if (status == NQM_OK)
-        status = read_rgb(r, path, b->dataset->ref_rgb + b->dataset->n_refs * n_columns, err);
+        status = read_rgb(r, path, d->ref_rgb + d->n_refs * n_columns, err);
     if (status == NQM_OK)
         status = find_file(r, "model", name, strlen(name), path, err);
     if (status == NQM_OK)
-        status = read_rgb(r, path, b->dataset->test_rgb + row * n_columns, err);
+        status = read_rgb(r, path, d->test_rgb + row * n_columns, err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_group(b, name, n_material, r->split, &group, err);
+        status = nqm_dataset_add_group(d, name, n_material, r->split, &group, err);
     if (status == NQM_OK)
         status = find_reference(r, name, group, &ref, err);
     if (status == NQM_OK)
         status = find_kind(r, row, &kind, err);
-    return status == NQM_OK ? nqm_dataset_add_pair(b, ref, name, kind, delta_e, jod, err) : status;
+    return status == NQM_OK ? nqm_dataset_add_pair(d, ref, name, kind, delta_e, jod, err) : status;
 }
 
 /* ---- dataset ----------------------------------------------------------------------------------------------------- */
@@ -199,7 +198,7 @@ nqm_status nqm_dataset_read_authors(const char *root, const char *labels_csv, nq
                                            .directions_deg = r.directions_deg,
                                            .max_refs = n_rows,
                                            .max_pairs = n_rows};
-        status = nqm_dataset_begin(&limits, &r.builder, err);
+        status = nqm_dataset_begin(&limits, &r.dataset, err);
     }
     if (status == NQM_OK) {
         char manifest[200];
@@ -207,7 +206,7 @@ nqm_status nqm_dataset_read_authors(const char *root, const char *labels_csv, nq
             status = read_row(&r, row, err);
         snprintf(manifest, sizeof manifest, "{\"source\": \"authors' layout\", \"negative_values_read_as_0\": %zu}",
                  r.n_clamped);
-        status = nqm_dataset_finish(&r.builder, status, manifest, labels_csv, dataset_ret, err);
+        status = nqm_dataset_finish(r.dataset, status, manifest, labels_csv, dataset_ret, err);
     }
     nqm_free(r.directions_deg);
     nqm_csv_free(r.csv);

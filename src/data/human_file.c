@@ -4,7 +4,7 @@
  * and test; a BRDF that is in several of them is sampled once.
  */
 #include "argument/argument.h"
-#include "data/human.h"
+#include "data/data.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ typedef struct sampled {
 
 typedef struct reader {
     nqm_human *human;
-    nqm_dataset_builder builder;
+    nqm_dataset *dataset;
     nqm_answers answers;
     const nqm_human_options *options;
     size_t n_entries, n_refs, n_pairs;
@@ -94,7 +94,7 @@ static nqm_index_key key_of_sampled(const void *value) {
 
 /* Sample a BRDF, unless it was sampled for another row. used (n_directions) receives 1 where it has a value, else 0. */
 static nqm_status sample_brdf(reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
-    const nqm_dataset *d = r->builder.dataset;
+    const nqm_dataset *d = r->dataset;
     const sampled *known = nqm_index_find(&r->by_name, (nqm_index_key){.name = name});
     if (known) {
         memcpy(rgb, known->rgb, d->n_directions * 3 * sizeof *rgb);
@@ -117,11 +117,13 @@ static nqm_status sample_brdf(reader *r, const char *name, size_t row, float *rg
     return NQM_OK;
 }
 
+static const double least_valid = 0.9; /* fraction of the directions at which both BRDFs of a pair need a value */
+
 static nqm_status check_valid(const reader *r, const entry *e, const uint8_t *ref_used, const uint8_t *test_used) {
-    size_t n_valid = 0, n = r->builder.dataset->n_directions;
+    size_t n_valid = 0, n = r->dataset->n_directions;
     for (size_t i = 0; i < n; ++i)
         n_valid += ref_used[i] && test_used[i];
-    if (n_valid > 0 && (double)n_valid >= r->options->min_valid_fraction * (double)n)
+    if (n_valid > 0 && (double)n_valid >= least_valid * (double)n)
         return NQM_OK;
     return nqm_fail(r->err, NQM_ERR_INCOMPATIBLE, -1,
                     "%s: row %zu: both BRDFs have a value at only %zu of %zu directions ('%.100s', '%.100s')",
@@ -139,7 +141,7 @@ static const char *material_of(const reader *r, const entry *e) {
 static nqm_status add_reference(reader *r, size_t first) {
     const entry *e = &r->entries[first];
     const char *name = material_of(r, e);
-    nqm_dataset *d = r->builder.dataset;
+    nqm_dataset *d = r->dataset;
     uint32_t group = 0;
     for (size_t i = first + 1; i < r->n_entries && !begins_ref(r, i); ++i)
         if (strcmp(material_of(r, &r->entries[i]), name) != 0)
@@ -148,16 +150,16 @@ static nqm_status add_reference(reader *r, size_t first) {
                             r->answers.path, r->entries[i].row + 1, e->ref, material_of(r, &r->entries[i]), name,
                             e->row + 1);
     const size_t n = d->n_directions, ref = d->n_refs;
-    nqm_status status = nqm_dataset_add_group(&r->builder, name, strlen(name), NQM_SPLIT_TEST, &group, r->err);
+    nqm_status status = nqm_dataset_add_group(r->dataset, name, strlen(name), NQM_SPLIT_TEST, &group, r->err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_reference(&r->builder, e->ref, group, r->err);
+        status = nqm_dataset_add_reference(r->dataset, e->ref, group, r->err);
     return status == NQM_OK ? sample_brdf(r, e->ref, e->row, d->ref_rgb + 3 * n * ref, d->ref_used + n * ref) : status;
 }
 
 static nqm_status add_pair(reader *r, size_t i) {
     const entry *e = &r->entries[i];
     const nqm_answers *a = &r->answers;
-    const nqm_dataset *d = r->builder.dataset;
+    const nqm_dataset *d = r->dataset;
     const size_t n = d->n_directions, ref = d->n_refs - 1;
     const double value = a->n_slots == 1 ? a->values[e->row] : (double)NAN;
     const char *kind_name = a->test_kind >= 0 ? nqm_csv_text(a->csv, e->row, a->test_kind) : "human";
@@ -167,9 +169,9 @@ static nqm_status add_pair(reader *r, size_t i) {
     if (status == NQM_OK)
         status = check_valid(r, e, d->ref_used + n * ref, used);
     if (status == NQM_OK)
-        status = nqm_dataset_add_kind(&r->builder, kind_name, NULL, &kind, r->err);
+        status = nqm_dataset_add_kind(r->dataset, kind_name, NULL, &kind, r->err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_pair(&r->builder, (uint32_t)ref, e->test, kind, (double)NAN,
+        status = nqm_dataset_add_pair(r->dataset, (uint32_t)ref, e->test, kind, (double)NAN,
                                       a->kind == NQM_HUMAN_DISTANCE ? -value : value, r->err);
     if (status == NQM_OK && nqm_tick(&r->ticker, "sample", (double)d->n_pairs, (double)r->n_pairs))
         status = nqm_fail(r->err, NQM_ERR_CANCELLED, -1, "interrupted");
@@ -188,7 +190,7 @@ static nqm_status build_dataset(reader *r) {
                                        .max_refs = r->n_refs,
                                        .max_pairs = r->n_pairs,
                                        .has_masks = true};
-    status = nqm_dataset_begin(&limits, &r->builder, r->err);
+    status = nqm_dataset_begin(&limits, &r->dataset, r->err);
     nqm_directions_free(made);
     if (status != NQM_OK)
         return status;
@@ -199,8 +201,8 @@ static nqm_status build_dataset(reader *r) {
         if (status == NQM_OK && begins_pair(r, i))
             status = add_pair(r, i);
     }
-    r->builder.dataset->order_only = r->answers.kind != NQM_HUMAN_JOD;
-    return nqm_dataset_finish(&r->builder, status, NULL, NULL, &r->human->dataset, r->err);
+    r->dataset->order_only = r->answers.kind != NQM_HUMAN_JOD;
+    return nqm_dataset_finish(r->dataset, status, NULL, NULL, &r->human->dataset, r->err);
 }
 
 /* ---- noise of scores --------------------------------------------------------------------------------------------- */
@@ -288,12 +290,9 @@ static nqm_status gather_triplets(reader *r) {
 
 nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
                           nqm_error *err) {
-    NQM_MAKE(err, human_ret, csv_path);
-    nqm_human_options o = options ? *options : nqm_human_options_default();
-    if (!(o.min_valid_fraction >= 0 && o.min_valid_fraction <= 1))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1", o.min_valid_fraction);
+    *human_ret = NULL;
     nqm_csv *csv = NULL;
-    reader r = {.human = nqm_alloc(1, sizeof *r.human), .options = &o, .err = err};
+    reader r = {.human = nqm_alloc(1, sizeof *r.human), .options = options, .err = err};
     nqm_status status = r.human ? nqm_csv_load(csv_path, &csv, err) : nqm_fail_nomem(err, sizeof *r.human);
     if (status == NQM_OK)
         status = nqm_answers_read(csv, csv_path, &r.answers, err);

@@ -3,7 +3,7 @@
  * Forward pass of the hypernetwork. It is invariant to the order of a set's samples (deep sets: Zaheer et al.
  * 2017, arXiv:1703.06114): all samples pass the same layers, whose outputs are pooled by mean and maximum.
  */
-#include "encode/hyper.h"
+#include "encode/encode.h"
 #include "kernel/panel.h"
 
 #include <math.h>

@@ -6,7 +6,6 @@
  * around theta_h = 0, like the cells of MERL's tables.
  */
 #include "encode/encode.h"
-#include "encode/nbrdf_net.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 

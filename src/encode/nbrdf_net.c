@@ -4,7 +4,7 @@
  * direction). Products are summed in tiles of fixed shape, so that the result does not depend on the vector width of the
  * processor; the block is compiled for three widths.
  */
-#include "encode/nbrdf_net.h"
+#include "encode/encode.h"
 
 #include "math/exp_log.h"
 #include "math/math.h"

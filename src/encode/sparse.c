@@ -2,8 +2,8 @@
  *
  * The encodings sparse-*: a dictionary from its file, and a BRDF coded in it.
  */
-#include "encode/sparse.h"
 #include "brdf/brdf.h"
+#include "encode/encode.h"
 
 #include <math.h>
 #include <string.h>

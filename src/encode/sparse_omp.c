@@ -2,7 +2,7 @@
  *
  * Orthogonal matching pursuit; needs the inner products of atoms and signals only, not the vectors.
  */
-#include "encode/sparse.h"
+#include "encode/encode.h"
 
 #include <math.h>
 #include <string.h>

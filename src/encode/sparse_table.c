@@ -4,7 +4,7 @@
  * the products with the separable bases.
  */
 #include "brdf/brdf.h"
-#include "encode/sparse.h"
+#include "encode/encode.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
  *
  * The anisotropic lobe of the base of shading models, which name its widths and its azimuth differently.
  */
-#include "fit/anisotropy.h"
 #include "brdf/brdf.h"
+#include "fit/fit.h"
 
 #include <math.h>
 #include <string.h>

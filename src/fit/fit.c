@@ -4,7 +4,6 @@
  */
 #include "fit/fit.h"
 #include "brdf/core/spec.h"
-#include "fit/anisotropy.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -8,21 +8,26 @@
 #ifndef NQM_SRC_FIT_H
 #define NQM_SRC_FIT_H
 
+#include "argument/argument.h"
+#include "base/base.h"
 #include "base/options.h"
 #include "brdf/core/spec.h"
 #include "encode/encode.h"
 #include "math/values.h"
+#include "schema/schema.h"
+#include <nqm/brdf.h>
 #include <nqm/fit.h>
+#include <nqm/label.h>
+#include <nqm/match.h>
 
 extern const nqm_option_table nqm_fit_option_table;
 
-/* ---- losses (loss.c) ---------------------------------------------------------------------------------------------- */
+/* ---- losses (target.c) ------------------------------------------------------------------------------------------- */
 
 /** Indexed by nqm_fit_loss. */
 extern const nqm_value_difference nqm_fit_losses[];
-/** The words of nqm_fit_loss, NULL-terminated. The first NQM_FIT_N_CORPUS_LOSSES are those of the paths in corpora. */
+/** The words of nqm_fit_loss, NULL-terminated. */
 extern const char *const nqm_fit_loss_words[];
-enum { NQM_FIT_N_CORPUS_LOSSES = 4 };
 
 /** The curve of a loss at weight f, and its derivative by f; f >= 0. */
 double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
@@ -150,7 +155,7 @@ void nqm_fit_eval(const nqm_fit_space *space, const nqm_values *values, size_t n
 void nqm_fit_slopes(const nqm_fit_space *space, const nqm_values *values, size_t n, const double *wi, const double *wo,
                     const double *rgb, double *columns);
 
-/* ---- starts (keys.c: what keys of shading models mean; starts.c) -------------------------------------------------- */
+/* ---- starts (starts.c) ------------------------------------------------------------------------------------------- */
 
 /** Bounds and scale of a key of a shading model, and the layer that it describes. */
 nqm_fit_parameter nqm_fit_describe(const nqm_schema *schema, size_t key);
@@ -284,5 +289,86 @@ int nqm_fit_model_has(const char *name, const char *key);
 /** nqm_match() by the loss or the terms of the options. */
 NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                   nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err);
+
+/* ---- the anisotropic lobe of the base of shading models, in their own keys (anisotropy.c) ------------------------ */
+
+/** Whether a model has anisotropic lobes, and a key of their azimuth. */
+bool nqm_fit_can_be_anisotropic(const nqm_schema *schema, bool needs_azimuth);
+/** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec;
+ *  keys that say how are 0 where the model of `to` cannot have it. */
+void nqm_fit_copy_anisotropy(const nqm_values *from, nqm_values *to);
+/** A spec with the anisotropy of the lobe of a BRDF, along the axes of the model if that is turned by other means; nqm_free() it.
+ *  NULL: the BRDF is isotropic, or the model has no anisotropic lobes. */
+char *nqm_fit_measure_anisotropy(const nqm_brdf *ref, const nqm_schema *schema, bool is_turned);
+
+/* ---- BRDF arguments that are fitted when they are opened (open.c) ------------------------------------------------ */
+
+/* "fit:model=ggx;of=BRDF", also within "perturb:" and "between:" (doc/brdf.md). A caller that has some of the BRDFs already, or wants
+ * to keep fits, opens the bases itself. */
+
+/** What the caller contributes; NULL or zeros: nothing. */
+typedef struct nqm_fit_context {
+    /** Opens the BRDF that follows "of=" or "with=(". NULL: nqm_fit_open(). */
+    nqm_base_opener *open;
+    void *user;
+    size_t n_own;
+    const double *own_deg; /* (n_own, 3) half-vector coordinates, degrees: the directions of the key `own` */
+    nqm_progress_fn progress;
+    void *progress_user;
+} nqm_fit_context;
+
+/** nqm_brdf_open() for arguments that may contain "fit:". NQM_ERR_ARG: a setting; otherwise as nqm_brdf_open() and nqm_fit(). */
+NQM_MUST_CHECK nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context, nqm_brdf **brdf_ret,
+                                       nqm_error *err);
+
+/* ---- matches: the text of a loss, and metrics as differentiable losses (match.c) --------------------------------- */
+
+enum { NQM_MATCH_MAX_TERMS = 8 };
+
+/** What a term of a sum is. */
+typedef enum nqm_match_kind { NQM_MATCH_VALUES, NQM_MATCH_METRIC, NQM_MATCH_TRANSPORT } nqm_match_kind;
+
+typedef struct nqm_match_term {
+    double weight;
+    nqm_match_kind kind;
+    nqm_fit_loss loss; /* of NQM_MATCH_VALUES */
+} nqm_match_term;
+
+typedef struct nqm_match_sum {
+    bool is_auto;
+    size_t n;
+    nqm_match_term terms[NQM_MATCH_MAX_TERMS]; /* of "auto": those of the polish */
+} nqm_match_sum;
+
+/** The sum of "auto". */
+extern const char *const nqm_match_polish;
+/** nqm_match_report.selected where "auto" has no perceptual terms: the reference is anisotropic, or a list of few directions. */
+extern const char *const nqm_match_uncovered;
+/** NQM_ERR_ARG names the word at fault. */
+NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
+
+/** A difference from one reference, as a loss of a fit: a metric, or Delta-E on rays of a scene. Used by one thread at
+ *  a time; it must not be moved. */
+typedef struct nqm_match_visual {
+    nqm_fit_visual visual;
+    nqm_error failure; /* of the last evaluation */
+    /* of a metric: */
+    nqm_scorer *scorer;
+    nqm_score_quantity quantity; /* NQM_SCORE_JOD: the loss is 10 minus it */
+    float *ref, *test, *slopes;  /* (n, 3); ref owns the block of the arrays */
+    uint8_t *used;               /* (n) */
+    /* of a scene: */
+    nqm_rays rays;
+    double *ref_rgb; /* (rays.n, 3) */
+} nqm_match_visual;
+
+/** NQM_ERR_INCOMPATIBLE: too few directions have a value, or the reference is anisotropic. Free it also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
+                                                nqm_error *err);
+/** Delta-E on n random rays of a scene. It judges fits, by a seed of which no step of an optimiser has seen the rays,
+ *  and is the loss 'transport' of anisotropic references. Free it also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, size_t n, uint64_t seed,
+                                              nqm_match_visual *visual, nqm_error *err);
+void nqm_match_visual_free(nqm_match_visual *visual);
 
 #endif

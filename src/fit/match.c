@@ -2,7 +2,6 @@
  *
  * Fits by perceptual losses, and the selection among several of them.
  */
-#include "fit/match.h"
 #include "brdf/formats/listed.h"
 #include "fit/fit.h"
 

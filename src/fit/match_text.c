@@ -4,7 +4,6 @@
  */
 #include "base/names.h"
 #include "fit/fit.h"
-#include "fit/match.h"
 
 /* Chosen on ten measured materials that no test uses (doc/fitting.md): the term of values keeps the fit from what one set of
  * lights does not see. */

@@ -4,7 +4,7 @@
  * rays of a scene. Directions at which the reference has no value are left out.
  */
 #include "brdf/brdf.h"
-#include "fit/match.h"
+#include "fit/fit.h"
 
 #include <math.h>
 

@@ -4,8 +4,8 @@
  * variations of it with which corpora test a metric: a point on the path of the optimiser (steps), a network that overfits few
  * directions (at, own), a reciprocal table (model=table).
  */
-#include "fit/open.h"
 #include "base/names.h"
+#include "fit/fit.h"
 #include "math/math.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
  * Computes the agreement of predictions with labels, with bootstrap percentile intervals, and contrasts between
  * predictors. bootstrap.c draws the resamples.
  */
-#include "judge/agreement.h"
+#include "judge/judge.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -82,6 +82,16 @@ static size_t plain_statistics(const nqm_bootstrap *b, size_t predictor, double 
 
 size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap) {
     return n_groups < 4 ? 0 : n_bootstrap;
+}
+
+double nqm_share_of(size_t n_groups, size_t stride, const double *met, const double *all, const double *weight) {
+    double sum = 0, n = 0;
+    for (size_t g = 0; g < n_groups; ++g) {
+        const double times = weight ? weight[g] : 1;
+        sum += times * met[g * stride];
+        n += times * all[g];
+    }
+    return sum / n;
 }
 
 void nqm_interval95(size_t n, double *x, double ci95[2]) {

@@ -6,7 +6,7 @@
  * A resample that draws group g w_g times contains each of its pairs w_g times. The ranks in this multiset are computed
  * from the weights and the sort order of the original values, so that resamples need no sorting.
  */
-#include "judge/agreement.h"
+#include "judge/judge.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -2,9 +2,8 @@
  *
  * The fraction of people's choices between two tests that predictors reproduce.
  */
-#include "data/human.h"
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "data/data.h"
+#include "judge/judge.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,15 +42,8 @@ static double majority_share(const tally *w, size_t predictor) {
     return n > 0 ? met / n : NAN;
 }
 
-/* Fraction of choices reproduced ; weight NULL: each group counts once. */
 static double share_of(const tally *w, size_t predictor, const double *weight) {
-    double met = 0, choices = 0;
-    for (size_t g = 0; g < w->n_groups; ++g) {
-        double times = weight ? weight[g] : 1;
-        met += times * w->met[g * w->ev->n_predictors + predictor];
-        choices += times * w->choices[g];
-    }
-    return met / choices;
+    return nqm_share_of(w->n_groups, w->ev->n_predictors, w->met + predictor, w->choices, weight);
 }
 
 static nqm_status check(const nqm_human *human, const nqm_evaluation *ev, nqm_error *err) {
@@ -66,7 +58,6 @@ static nqm_status check(const nqm_human *human, const nqm_evaluation *ev, nqm_er
 }
 
 static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *err) {
-    nqm_eval_options o = options ? *options : nqm_eval_options_default();
     nqm_status status = check(w->human, w->ev, err);
     if (status != NQM_OK)
         return status;
@@ -74,8 +65,8 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
     status = nqm_alloc_arrays(NQM_ARRAYS({&w->choices, n_groups, sizeof *w->choices},
                                          {&w->met, n_groups, n_predictors * sizeof *w->met},
                                          {&w->weight, n_groups, sizeof *w->weight},
-                                         {&w->share, n_predictors, o.n_bootstrap * sizeof *w->share},
-                                         {&w->scratch, o.n_bootstrap, sizeof *w->scratch}),
+                                         {&w->share, n_predictors, options->n_bootstrap * sizeof *w->share},
+                                         {&w->scratch, options->n_bootstrap, sizeof *w->scratch}),
                               err);
     if (status != NQM_OK)
         return status;
@@ -92,9 +83,9 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
             w->choices[w->n_groups] = w->choices[g];
             memmove(w->met + w->n_groups++ * n_predictors, w->met + g * n_predictors, n_predictors * sizeof *w->met);
         }
-    w->n_resamples = nqm_bootstrap_count(w->n_groups, o.n_bootstrap);
+    w->n_resamples = nqm_bootstrap_count(w->n_groups, options->n_bootstrap);
     for (size_t i = 0; i < w->n_resamples; ++i) {
-        nqm_bootstrap_draw(o.seed, i, w->n_groups, w->weight);
+        nqm_bootstrap_draw(options->seed, i, w->n_groups, w->weight);
         for (size_t p = 0; p < n_predictors; ++p)
             w->share[p * w->n_resamples + i] = share_of(w, p, w->weight);
     }
@@ -116,7 +107,6 @@ static void mark_best(size_t n_models, nqm_choice_agreement *results) {
 
 nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,
                                    const nqm_eval_options *options, nqm_choice_agreement *results, nqm_error *err) {
-    NQM_REQUIRE(err, human, evaluation, results);
     tally w = {.human = human, .ev = evaluation};
     nqm_status status = begin(&w, options, err);
     for (size_t p = 0; status == NQM_OK && p < evaluation->n_predictors; ++p) {
@@ -133,7 +123,6 @@ nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation 
 nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
                                       const nqm_eval_options *options, size_t first, size_t second,
                                       nqm_difference *difference_ret, nqm_error *err) {
-    NQM_REQUIRE(err, human, evaluation, difference_ret);
     if (first >= evaluation->n_predictors || second >= evaluation->n_predictors)
         return nqm_fail(err, NQM_ERR_ARG, -1, "contrast: there are %zu predictors", evaluation->n_predictors);
     tally w = {.human = human, .ev = evaluation};

@@ -2,8 +2,7 @@
  *
  * Coverage of a model's intervals: the fraction of labels inside, over all pairs, by material and by predicted JOD.
  */
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 
 #include <math.h>
@@ -86,14 +85,12 @@ static nqm_status resample(const nqm_selection *s, size_t n, uint64_t seed, cons
 
 nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options, size_t model,
                                    nqm_coverage *coverage_ret, nqm_error *err) {
-    NQM_REQUIRE(err, evaluation, coverage_ret);
-    nqm_eval_options o = options ? *options : nqm_eval_options_default();
     if (model >= evaluation->n_models || !evaluation->models[model]->interval)
         return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with intervals", model);
     if (evaluation->dataset->order_only)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels are no JOD");
     nqm_selection s;
-    nqm_status status = nqm_selection_create(evaluation, &o, 1, &s, err);
+    nqm_status status = nqm_selection_create(evaluation, options, 1, &s, err);
     if (status != NQM_OK)
         return status;
     double *inside = s.prediction; /* (n_groups), each of which has a pair */
@@ -102,7 +99,8 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
         for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
             inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
     conclude(evaluation->dataset, &s, inside, coverage_ret);
-    status = resample(&s, nqm_bootstrap_count(s.n_groups, o.n_bootstrap), o.seed, inside, coverage_ret, err);
+    status =
+        resample(&s, nqm_bootstrap_count(s.n_groups, options->n_bootstrap), options->seed, inside, coverage_ret, err);
     nqm_selection_free(&s);
     return status;
 }

@@ -3,7 +3,7 @@
  * Predictions of models, of the nine scalar metrics and of light transport for the pairs of a dataset. evaluate_judge.c judges
  * selections of them.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 
@@ -163,9 +163,7 @@ static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
                                  const nqm_dataset *const *datasets, const nqm_eval_options *options,
                                  nqm_evaluation **evaluation_ret, nqm_error *err) {
-    NQM_MAKE(err, evaluation_ret, dataset);
-    NQM_REQUIRE_IF(n_models, err, models);
-    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    *evaluation_ret = NULL;
     const bool has_estimate = dataset->transport;
     const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
     nqm_evaluation made = {.dataset = dataset,
@@ -173,7 +171,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
                            .n_models = n_models,
                            .n_predictors = n_predictors,
                            .models = models,
-                           .split = o.split};
+                           .split = options->split};
     nqm_evaluation *ev;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
@@ -190,7 +188,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     *ev = made;
     status = begin(ev, err);
     if (status == NQM_OK)
-        status = predict_all(ev, &o, err);
+        status = predict_all(ev, options, err);
     if (status == NQM_OK)
         *evaluation_ret = ev;
     else

@@ -6,7 +6,9 @@
 #ifndef NQM_SRC_JUDGE_JUDGE_H
 #define NQM_SRC_JUDGE_JUDGE_H
 
-#include "data/human.h"
+#include "base/options.h"
+#include "data/data.h"
+#include "metric/metric.h"
 #include "model/model.h"
 #include <nqm/metric.h>
 
@@ -71,7 +73,6 @@ typedef struct nqm_evaluation nqm_evaluation;
  * @param datasets (n_models) for models of different directions: the pairs of `dataset`, in its order, at the directions of
  *                 each model; they must outlive the evaluation. Metrics and the estimate are those of `dataset`. NULL: all
  *                 models have the directions of `dataset`
- * @param options  NULL: the defaults
  * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
@@ -91,7 +92,6 @@ const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
 /**
  * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
  *
- * @param options  NULL: the defaults
  * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
@@ -145,7 +145,6 @@ typedef struct nqm_coverage {
  * Coverage of one model on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
  *
  * @param model    number of a predictor that is a model with intervals (nqm_model_info.calibration is not "")
- * @param options  NULL: the defaults
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or labels are not JOD), NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options,
@@ -172,7 +171,6 @@ enum { NQM_EVAL_PARTS = 6 };
  * Judge the parts that one model predicts on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
  *
  * @param model    number of a predictor that is a model with parts: nqm_evaluation_labels() is not NULL
- * @param options  NULL: the defaults
  * @param results  (NQM_EVAL_PARTS)
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or the labels have no parts), NQM_ERR_NOMEM
  */
@@ -193,7 +191,7 @@ typedef struct nqm_choice_agreement {
 /**
  * Judge every predictor of an evaluation of human->dataset on the choices.
  *
- * @param options  n_bootstrap and seed are used; NULL: the defaults
+ * @param options  n_bootstrap and seed are used
  * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
@@ -223,7 +221,7 @@ typedef struct nqm_readout {
 /**
  * Fit a readout. The answers were sampled at the directions of the model.
  *
- * @param options  n_bootstrap and seed are used; NULL: the defaults
+ * @param options  n_bootstrap and seed are used
  * @return NQM_ERR_INCOMPATIBLE: the model has no transport matrix, or fewer than 5 materials have answers; NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
@@ -233,5 +231,151 @@ NQM_MUST_CHECK nqm_status nqm_human_fit_readout(const nqm_human *human, const nq
 void nqm_readout_set(const nqm_readout *readout, nqm_model *model);
 /** Names of the distances. */
 extern const char *const nqm_apart_names[NQM_APART];
+
+/* ---- agreement over grouped pairs (agreement.c) ------------------------------------------------------------------ */
+
+/* Most statistics of a resample are computed from sums per group; only the rank correlations over all pairs require the individual
+ * pairs. */
+
+enum { NQM_MIN_PAIRS_OF_GROUP = 3 }; /* with fewer, the rank correlation of a group is not meaningful */
+
+/** Predictions and labels of n pairs, sorted by group. Higher predictions must mean higher labels. */
+typedef struct nqm_judgement {
+    size_t n, n_groups, n_predictors;
+    const size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); not empty */
+    const double *label;       /* (n) */
+    const double *prediction;  /* (n_predictors, n) finite */
+    double order_margin;       /* two pairs of a group have an order if their labels differ by more than this; >= 0 */
+    bool without_kendall;      /* skip Kendall (NaN), the slowest statistic */
+} nqm_judgement;
+
+/** Compute results (n_predictors), except name and flags. The intervals are the 2.5 and 97.5 percentiles over
+ * n_bootstrap resamples, with replacement, of the groups; NaN where nqm_bootstrap_count() is 0. All predictors use the
+ * same resamples. */
+NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
+                                    nqm_agreement *results, nqm_error *err);
+
+/** Compute contrasts (n_contrasts) between their predictors `first` and `second`, with the same resamples as
+ * nqm_judge() for this seed. */
+NQM_MUST_CHECK nqm_status nqm_judge_contrasts(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
+                                              size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err);
+
+/** Set the flags best_of_family and best_baseline of metrics (NQM_METRIC_COUNT) according to `spearman`. */
+void nqm_mark_best(nqm_agreement *metrics);
+
+/** 2.5 and 97.5 percentiles of x (n), ignoring NaN; reorders x. */
+void nqm_interval95(size_t n, double *x, double ci95[2]);
+/** The number of resamples to draw: n_bootstrap, or 0 with fewer than 4 groups. A resample is n times the same group
+ *  with probability n^-n for each group; where this exceeds 2.5 %, the ends of the interval would be statistics of
+ *  single groups. */
+size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap);
+/** The sum of met (n_groups, stride) over that of all (n_groups); weight (n_groups): how often each group counts; NULL: once. */
+double nqm_share_of(size_t n_groups, size_t stride, const double *met, const double *all, const double *weight);
+/** Statistics of first - second over resamples (n, NaN ignored). value: difference without resampling; scratch (n). */
+nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch);
+
+/* ---- resamples (bootstrap.c) ------------------------------------------------------------------------------------- */
+
+/** Sums over the pairs of a group; x is the prediction and y the label, each minus a constant. */
+enum {
+    NQM_SUM_N,
+    NQM_SUM_X,
+    NQM_SUM_Y,
+    NQM_SUM_XX,
+    NQM_SUM_YY,
+    NQM_SUM_XY,
+    NQM_SUM_ABS_ERROR,
+    NQM_SUM_SQUARED_ERROR,
+    NQM_SUM_GROUPS_WITH_RHO,
+    NQM_SUM_RHO,     /* Spearman within the group */
+    NQM_SUM_ORDERED, /* pairs of pairs whose labels have an order */
+    NQM_SUM_RIGHT,   /* pairs of tests predicted in the right order; ties count half */
+    NQM_SUM_COUNT
+};
+
+enum {
+    NQM_STATISTIC_SPEARMAN,
+    NQM_STATISTIC_BY_GROUP,
+    NQM_STATISTIC_PEARSON,
+    NQM_STATISTIC_KENDALL,
+    NQM_STATISTIC_MAE,
+    NQM_STATISTIC_RMSE,
+    NQM_STATISTIC_R2,
+    NQM_STATISTIC_ORDER,
+    NQM_STATISTIC_COUNT
+};
+
+/** Compute all statistics except NQM_STATISTIC_SPEARMAN and NQM_STATISTIC_KENDALL, which become NaN, from sums
+ *  (n_groups, NQM_SUM_COUNT); weight (n_groups): how often each group counts; NULL: once. NaN if a statistic is undefined.
+ *  Returns the total of NQM_SUM_ORDERED. */
+double nqm_statistics_of_sums(size_t n_groups, const double *sums, const double *weight,
+                              double statistics[NQM_STATISTIC_COUNT]);
+
+/** Resampling of one judgement. */
+typedef struct nqm_bootstrap {
+    const nqm_judgement *judgement;
+    uint64_t seed;
+    size_t n_resamples;
+    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
+    double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
+    double *scratch;    /* (n_resamples) */
+} nqm_bootstrap;
+
+/** Draw resample `index`: sets weight (n_groups) to how often each group is drawn. */
+void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_groups, double *weight);
+
+/** Compute the statistics from the judgement and the sums. The result does not depend on the number of threads. */
+NQM_MUST_CHECK nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, nqm_error *err);
+
+/* ---- predictions for the pairs of a dataset (evaluate.c) --------------------------------------------------------- */
+
+struct nqm_evaluation {
+    const nqm_dataset *dataset;
+    const nqm_dataset *const
+        *datasets; /* (n_models) the same pairs at the directions of each model; NULL: `dataset` has them */
+    size_t n_models;
+    size_t n_predictors; /* n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix */
+    const nqm_model *const *models;
+    nqm_split split;
+    double *values; /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
+    nqm_prediction
+        *predictions;  /* (n_models, n_pairs of the dataset) undefined where not predicted; `jod` as `values` */
+    nqm_label *labels; /* (n_models, n_pairs of the dataset) with parts; NaN likewise, and if the model predicts none */
+    nqm_label *estimates; /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: there is no matrix */
+    double *scalars;      /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
+    size_t *ref_class;    /* (n_refs) */
+    bool has_unseen;      /* of any kind */
+    bool *unseen;         /* (n_kinds) nqm_dataset_unseen_kinds() */
+    const char **names;   /* (n_predictors) */
+};
+
+/** The pairs at the directions of a model. */
+static inline const nqm_dataset *nqm_evaluation_samples(const nqm_evaluation *ev, size_t model) {
+    return ev->datasets ? ev->datasets[model] : ev->dataset;
+}
+
+/** The pairs selected by options, sorted by material group; groups without such pairs are left out. */
+typedef struct nqm_selection {
+    size_t n, n_groups;
+    size_t *
+        group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); owns the block of all arrays */
+    size_t *pairs;      /* (n) */
+    double *label;      /* (n), for the caller to fill */
+    double *prediction; /* (n_predictors, n), likewise */
+} nqm_selection;
+
+/** Select pairs, with room for n_predictors. NQM_ERR_INCOMPATIBLE: no pair matches; NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_selection_create(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                               size_t n_predictors, nqm_selection *selection_ret, nqm_error *err);
+void nqm_selection_free(nqm_selection *selection);
+
+static inline bool nqm_evaluation_in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
+    return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
+}
+
+/** The words of nqm_split by value, NULL-terminated. */
+extern const char *const nqm_split_words[];
+/** The options of nqm_eval_options; kind, family, class and JOD range are not among them. */
+extern const nqm_option_table nqm_eval_option_table;
 
 #endif

@@ -3,8 +3,7 @@
  * How well a model predicts the parts of labels, beside what light transport estimates and the scalar features that are closest
  * to each part by definition.
  */
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 
 #include <math.h>
 
@@ -104,17 +103,15 @@ static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t pa
 
 nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation, const nqm_eval_options *options, size_t model,
                                       nqm_part_agreement *results, nqm_error *err) {
-    NQM_REQUIRE(err, evaluation, results);
-    const nqm_eval_options o = options ? *options : nqm_eval_options_default();
     work w = {.ev = evaluation,
               .model = model < evaluation->n_models ? nqm_evaluation_labels(evaluation, model) : NULL};
     if (!w.model)
         return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with parts", model);
     if (!evaluation->dataset->parts)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels of the dataset have no parts");
-    nqm_status status = nqm_selection_create(evaluation, &o, MAX_PREDICTORS, &w.s, err);
+    nqm_status status = nqm_selection_create(evaluation, options, MAX_PREDICTORS, &w.s, err);
     for (size_t i = 0; status == NQM_OK && i < NQM_EVAL_PARTS; ++i)
-        status = judge_part(&w, &o, i, &results[i], err);
+        status = judge_part(&w, options, i, &results[i], err);
     nqm_selection_free(&w.s);
     return status;
 }

@@ -3,7 +3,7 @@
  * Weights of the parts of a difference, fitted to people's answers by logistic regression with weights >= 0 and a ridge: the
  * similarity of a model for one study. What it gains is measured on materials that the weights were not fitted to.
  */
-#include "judge/agreement.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 
 #include <math.h>
@@ -109,12 +109,7 @@ static void cross_validate(const fit_work *w, const double *all, double *times, 
 }
 
 static double share_of(const fit_work *w, int score, const double *times) {
-    double met = 0, choices = 0;
-    for (size_t g = 0; g < w->n_groups; ++g) {
-        met += (times ? times[g] : 1) * w->met[g * SCORES + (size_t)score];
-        choices += (times ? times[g] : 1) * w->choices[g];
-    }
-    return met / choices;
+    return nqm_share_of(w->n_groups, SCORES, w->met + score, w->choices, times);
 }
 
 /* ---- intervals --------------------------------------------------------------------------------------------------- */
@@ -160,28 +155,23 @@ static void find_intervals(const fit_work *w, uint64_t seed, nqm_readout *to, do
 /* Choices, or for scores each two tests of a material whose scores differ; *own_ret owns the latter. */
 static nqm_status list_triplets(const nqm_human *h, fit_work *w, nqm_triplet **own_ret, nqm_error *err) {
     const nqm_dataset *d = h->dataset;
-    size_t n = 0;
+    size_t max_n = 0;
     w->t = h->triplets;
     w->n = h->n_triplets;
     if (h->kind == NQM_HUMAN_CHOICE)
         return NQM_OK;
-    for (int pass = 0; pass < 2; ++pass) {
-        n = 0;
-        for (size_t b = 0; b < d->n_pairs; ++b)
-            for (size_t a = 0; a < b; ++a) {
-                const uint32_t group = d->ref_group[d->pair_ref[a]];
-                const double x = d->jod[a], y = d->jod[b];
-                if (group != d->ref_group[d->pair_ref[b]] || x == y)
-                    continue;
-                if (pass)
-                    (*own_ret)[n] = (nqm_triplet){group, (uint32_t)a, (uint32_t)b, x > y, y > x};
-                ++n;
-            }
-        if (pass == 0 && !(*own_ret = nqm_alloc(n, sizeof **own_ret)))
-            return nqm_fail_nomem(err, n * sizeof **own_ret);
-    }
-    w->t = *own_ret;
-    w->n = n;
+    for (size_t b = 0; b < d->n_pairs; ++b)
+        for (size_t a = 0; a < b; ++a) {
+            const uint32_t group = d->ref_group[d->pair_ref[a]];
+            const double x = d->jod[a], y = d->jod[b];
+            if (group != d->ref_group[d->pair_ref[b]] || x == y)
+                continue;
+            nqm_triplet *grown = nqm_grow(*own_ret, &max_n, w->n + 1, sizeof *grown);
+            if (!grown)
+                return nqm_fail_nomem(err, (w->n + 1) * sizeof *grown);
+            grown[w->n++] = (nqm_triplet){group, (uint32_t)a, (uint32_t)b, x > y, y > x};
+            w->t = *own_ret = grown;
+        }
     return NQM_OK;
 }
 
@@ -236,10 +226,8 @@ static nqm_status fit_readout(const fit_work *w, uint64_t seed, nqm_readout *to,
 
 nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model, const nqm_eval_options *options,
                                  nqm_readout *readout_ret, nqm_error *err) {
-    NQM_REQUIRE(err, human, model, readout_ret);
-    const nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const nqm_dataset *d = human->dataset;
-    fit_work w = {.n_groups = d->n_groups, .n_pairs = d->n_pairs, .n_resamples = o.n_bootstrap};
+    fit_work w = {.n_groups = d->n_groups, .n_pairs = d->n_pairs, .n_resamples = options->n_bootstrap};
     nqm_triplet *own = NULL;
     double *times, *z;
     if (!model->transport)
@@ -259,7 +247,7 @@ nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
         status = predict(human, model, &w, err);
     if (status == NQM_OK) {
         *readout_ret = (nqm_readout){0};
-        status = fit_readout(&w, o.seed, readout_ret, times, z, err);
+        status = fit_readout(&w, options->seed, readout_ret, times, z, err);
     }
     nqm_free(w.mean);
     nqm_free(own);

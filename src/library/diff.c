@@ -15,13 +15,8 @@ typedef struct versions {
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-typedef struct keyed {
-    const char *key;
-    size_t i;
-} keyed;
-
-static int compare_keys(const void *a, const void *b) {
-    return strcmp(((const keyed *)a)->key, ((const keyed *)b)->key);
+static nqm_index_key key_of(const void *member) {
+    return (nqm_index_key){.name = ((const nqm_library_member *)member)->key};
 }
 
 static nqm_status pair_names(versions *v, nqm_error *err) {
@@ -31,21 +26,19 @@ static nqm_status pair_names(versions *v, nqm_error *err) {
         v->is_partner[0] = true;
         return NQM_OK;
     }
-    keyed *order = nqm_alloc(n, sizeof *order);
-    if (!order)
-        return nqm_fail_nomem(err, n * sizeof *order);
-    for (size_t i = 0; i < n; ++i)
-        order[i] = (keyed){v->after->members[i].key, i};
-    qsort(order, n, sizeof *order, compare_keys);
-    for (size_t i = 0; i < v->before->n; ++i) {
-        const keyed key = {v->before->members[i].key, i};
-        const keyed *same = bsearch(&key, order, n, sizeof *order, compare_keys);
-        v->partner[i] = same && !v->is_partner[same->i] ? same->i : SIZE_MAX;
+    nqm_index by_key;
+    const nqm_status status = nqm_index_create(n, key_of, &by_key, err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        nqm_index_add(&by_key, &v->after->members[i]);
+    for (size_t i = 0; status == NQM_OK && i < v->before->n; ++i) {
+        const nqm_library_member *same = nqm_index_find(&by_key, key_of(&v->before->members[i]));
+        const size_t at = same ? (size_t)(same - v->after->members) : SIZE_MAX;
+        v->partner[i] = same && !v->is_partner[at] ? at : SIZE_MAX;
         if (v->partner[i] != SIZE_MAX)
-            v->is_partner[same->i] = true;
+            v->is_partner[at] = true;
     }
-    nqm_free(order);
-    return NQM_OK;
+    nqm_index_free(&by_key);
+    return status;
 }
 
 /* ---- looks ------------------------------------------------------------------------------------------------------- */
@@ -87,20 +80,23 @@ static nqm_status draw_singles(const versions *v, bool is_new, singles *of, nqm_
 /* Find the member of the new version that looks most like an old one, by its estimate, and confirm it by score. */
 static nqm_status pair_one(versions *v, const singles *old, size_t i, const singles *new, float *jods, nqm_error *err) {
     static const double same = 9.5;
+    struct nqm_library_state *s = v->after->state;
     size_t best = SIZE_MAX;
-    double jod;
     nqm_gallery_jods(old->gallery, i, new->gallery, 0, new->n, false, jods);
     for (size_t k = 0; k < new->n; ++k)
         if (!v->is_partner[new->from[k]] && (best == SIZE_MAX || jods[k] > jods[best]))
             best = k;
     if (best == SIZE_MAX || (double)jods[best] < nqm_library_least_estimate(same))
         return NQM_OK;
-    const nqm_library_member *a = &v->before->members[old->from[i]], *b = &v->after->members[new->from[best]];
-    const nqm_named_pair pair = {a->argument, b->argument};
-    const nqm_status status = nqm_library_jod(v->after->state, &pair, a->is_textured || b->is_textured, &jod, err);
-    if (status == NQM_OK && jod >= same) { /* false for NaN */
-        v->partner[old->from[i]] = new->from[best];
-        v->is_partner[new->from[best]] = true;
+    const size_t a = old->from[i], b = new->from[best];
+    nqm_status status = nqm_library_begin_pairs(s, 1, err);
+    if (status == NQM_OK) {
+        nqm_library_set_pair(s, 0, &v->before->members[a], a, &v->after->members[b], b);
+        status = nqm_library_score_few(s, 1, err);
+    }
+    if (status == NQM_OK && s->pairs->result.jod >= same) { /* false for NaN */
+        v->partner[a] = b;
+        v->is_partner[b] = true;
     }
     return status;
 }
@@ -156,21 +152,12 @@ static size_t set_pairs(const versions *v) {
             const size_t k = v->partner[i];
             if ((k == SIZE_MAX) != is_single)
                 continue;
-            const nqm_library_member *a = &v->before->members[i], *b = is_single ? NULL : &v->after->members[k];
-            nqm_library_pair *pair = &s->pairs[n];
-            pair->ref = i;
-            pair->test = k;
-            pair->names = (nqm_named_pair){a->argument, b ? b->argument : NULL};
-            s->textured[n++] = a->is_textured || (b && b->is_textured);
+            nqm_library_set_pair(s, n++, &v->before->members[i], i, is_single ? NULL : &v->after->members[k], k);
             n_pairs += !is_single;
         }
     for (size_t k = 0; k < v->after->n; ++k)
-        if (!v->is_partner[k]) {
-            nqm_library_pair *pair = &s->pairs[n++];
-            pair->ref = SIZE_MAX;
-            pair->test = k;
-            pair->names = (nqm_named_pair){NULL, v->after->members[k].argument};
-        }
+        if (!v->is_partner[k])
+            nqm_library_set_pair(s, n++, NULL, SIZE_MAX, &v->after->members[k], k);
     return n_pairs;
 }
 

@@ -164,6 +164,14 @@ nqm_status nqm_library_begin_pairs(struct nqm_library_state *s, size_t n, nqm_er
     return status;
 }
 
+void nqm_library_set_pair(struct nqm_library_state *s, size_t at, const nqm_library_member *ref, size_t ref_number,
+                          const nqm_library_member *test, size_t test_number) {
+    s->pairs[at].ref = ref_number;
+    s->pairs[at].test = test_number;
+    s->pairs[at].names = (nqm_named_pair){ref ? ref->argument : NULL, test ? test->argument : NULL};
+    s->textured[at] = (ref && ref->is_textured) || (test && test->is_textured);
+}
+
 /* The pairs with textures that have no score as one of BRDFs. */
 static nqm_status score_textures(struct nqm_library_state *s, size_t n, bool near_only, nqm_error *err) {
     nqm_library_kept ref = {.name = NULL};
@@ -193,46 +201,35 @@ static nqm_status score_textures(struct nqm_library_state *s, size_t n, bool nea
     return status;
 }
 
+/* Scores as BRDFs of n pairs, at most NQM_SCORE_BLOCK, from `begin` on. */
+static nqm_status score_block(struct nqm_library_state *s, size_t begin, size_t n, nqm_error *err) {
+    nqm_named_pair names[NQM_SCORE_BLOCK] = {{NULL, NULL}};
+    nqm_score_result results[NQM_SCORE_BLOCK];
+    nqm_error errors[NQM_SCORE_BLOCK];
+    for (size_t i = 0; i < n; ++i)
+        names[i] = s->pairs[begin + i].names;
+    const nqm_status status = nqm_scorer_run_named(s->scorer, n, names, results, errors, err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        errors[i].status = results[i].status;
+        s->pairs[begin + i].result = results[i];
+        s->pairs[begin + i].error = errors[i];
+    }
+    return status;
+}
+
 nqm_status nqm_library_score(struct nqm_library_state *s, size_t n, bool near_only, nqm_error *err) {
     nqm_status status = nqm_library_need_scorer(s, err);
-    for (size_t begin = 0, n_block; status == NQM_OK && begin < n; begin += n_block) {
-        nqm_named_pair names[NQM_SCORE_BLOCK];
-        nqm_score_result results[NQM_SCORE_BLOCK];
-        nqm_error errors[NQM_SCORE_BLOCK];
-        n_block = nqm_smaller(n - begin, NQM_SCORE_BLOCK);
+    for (size_t begin = 0; status == NQM_OK && begin < n; begin += NQM_SCORE_BLOCK) {
         status = nqm_library_step(s, "score", begin, n, err);
-        for (size_t i = 0; i < n_block; ++i)
-            names[i] = s->pairs[begin + i].names;
         if (status == NQM_OK)
-            status = nqm_scorer_run_named(s->scorer, n_block, names, results, errors, err);
-        for (size_t i = 0; status == NQM_OK && i < n_block; ++i) {
-            errors[i].status = results[i].status;
-            s->pairs[begin + i].result = results[i];
-            s->pairs[begin + i].error = errors[i];
-        }
+            status = score_block(s, begin, nqm_smaller(n - begin, NQM_SCORE_BLOCK), err);
     }
     return status == NQM_OK ? score_textures(s, n, near_only, err) : status;
 }
 
-nqm_status nqm_library_jod(struct nqm_library_state *s, const nqm_named_pair *pair, bool is_textured, double *jod_ret,
-                           nqm_error *err) {
-    nqm_score_result r = nqm_no_score(NQM_ERR_ARG);
-    nqm_library_terms terms = s->terms;
-    nqm_library_kept ref = {.name = NULL};
-    nqm_texture_result t;
-    nqm_error why = {0};
-    nqm_status status = NQM_OK;
-    terms.near_only = true;
-    if (!is_textured) {
-        status = nqm_scorer_run_named(s->scorer, 1, pair, &r, NULL, err);
-    } else {
-        const nqm_status scored = nqm_library_score_texture(&terms, pair, &ref, &t, &r, NULL, &why);
-        if (scored == NQM_ERR_CANCELLED || scored == NQM_ERR_NOMEM)
-            status = nqm_fail(err, scored, -1, "%s", why.message);
-    }
-    nqm_texture_free(ref.texture);
-    *jod_ret = status == NQM_OK && r.status == NQM_OK ? r.jod : (double)NAN;
-    return status;
+nqm_status nqm_library_score_few(struct nqm_library_state *s, size_t n, nqm_error *err) {
+    const nqm_status status = score_block(s, 0, n, err);
+    return status == NQM_OK ? score_textures(s, n, true, err) : status;
 }
 
 /* The network corrects the Delta-E of estimates: of 152 pairs of glTF materials with a JOD above 9 by at most 4 %. */

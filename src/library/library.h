@@ -99,11 +99,13 @@ NQM_MUST_CHECK nqm_status nqm_library_draw(nqm_library *library, nqm_error *err)
 
 /** Replace the pairs by n zeroed ones. */
 NQM_MUST_CHECK nqm_status nqm_library_begin_pairs(struct nqm_library_state *s, size_t n, nqm_error *err);
+/** Set pair `at` to members with these numbers; SIZE_MAX and NULL: none. */
+void nqm_library_set_pair(struct nqm_library_state *s, size_t at, const nqm_library_member *ref, size_t ref_number,
+                          const nqm_library_member *test, size_t test_number);
 /** Score the first n pairs. */
 NQM_MUST_CHECK nqm_status nqm_library_score(struct nqm_library_state *s, size_t n, bool near_only, nqm_error *err);
-/** The JOD of a pair, near if it is textured; NaN: it has none. */
-NQM_MUST_CHECK nqm_status nqm_library_jod(struct nqm_library_state *s, const nqm_named_pair *pair, bool is_textured,
-                                          double *jod_ret, nqm_error *err);
+/** The near scores of at most NQM_SCORE_BLOCK pairs, without progress. The scorer is there. */
+NQM_MUST_CHECK nqm_status nqm_library_score_few(struct nqm_library_state *s, size_t n, nqm_error *err);
 /** The least estimate of pairs that may have a JOD. */
 double nqm_library_least_estimate(double jod);
 

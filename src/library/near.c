@@ -79,7 +79,7 @@ static nqm_status sort_best(struct nqm_library_state *s, bool is_apart, nqm_erro
     return status;
 }
 
-static nqm_status score_nearest(nqm_library *of, const nqm_library_query *query, bool is_textured,
+static nqm_status score_nearest(nqm_library *of, const nqm_library_query *query, const nqm_library_member *to,
                                 const nqm_gallery *one, nqm_error *err) {
     enum { LEAST_SCORED = 128 };
     struct nqm_library_state *s = of->state;
@@ -87,16 +87,11 @@ static nqm_status score_nearest(nqm_library *of, const nqm_library_query *query,
     nqm_status status = find_candidates(one, of, query->is_apart, &candidates, err);
     size_t n = nqm_smaller(of->n, nqm_larger(LEAST_SCORED, 4 * query->n));
     if (status == NQM_OK) {
-        n = leave_textured(is_textured, of, query->n, candidates, n);
+        n = leave_textured(to->is_textured, of, query->n, candidates, n);
         status = nqm_library_begin_pairs(s, n, err);
     }
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        const nqm_library_member *member = &of->members[candidates[i].index];
-        s->pairs[i].ref = SIZE_MAX;
-        s->pairs[i].test = candidates[i].index;
-        s->pairs[i].names = (nqm_named_pair){query->to, member->argument};
-        s->textured[i] = is_textured || member->is_textured;
-    }
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        nqm_library_set_pair(s, i, to, SIZE_MAX, &of->members[candidates[i].index], candidates[i].index);
     nqm_free(candidates);
     if (status == NQM_OK)
         status = nqm_library_score(s, n, true, err);
@@ -122,7 +117,7 @@ static nqm_status find_nearest(nqm_library *of, const nqm_library_query *query, 
     if (status == NQM_OK)
         status = nqm_library_draw(of, err);
     if (status == NQM_OK)
-        status = score_nearest(of, query, self.is_textured, one, err);
+        status = score_nearest(of, query, &self, one, err);
     nqm_gallery_free(one);
     return status;
 }
@@ -197,26 +192,20 @@ static nqm_status confirm(const nqm_library *of, double jod, near_pair *pairs, s
     nqm_status status = NQM_OK;
     *n_pairs = 0;
     for (size_t first = 0, n_block; status == NQM_OK && first < n; first += n_block) {
-        double jods[NQM_SCORE_BLOCK];
-        nqm_named_pair names[NQM_SCORE_BLOCK];
-        nqm_score_result r[NQM_SCORE_BLOCK];
         n_block = nqm_smaller(n - first, NQM_SCORE_BLOCK / 2);
         status = nqm_library_step(s, "score", first, n, err);
-        for (size_t i = 0; i < n_block; ++i) {
+        if (status == NQM_OK)
+            status = nqm_library_begin_pairs(s, 2 * n_block, err);
+        for (size_t i = 0; status == NQM_OK && i < n_block; ++i) {
             const near_pair *p = &pairs[first + i];
-            names[2 * i] = (nqm_named_pair){of->members[p->a].argument, of->members[p->b].argument};
-            names[2 * i + 1] = (nqm_named_pair){names[2 * i].test, names[2 * i].ref};
+            const nqm_library_member *a = &of->members[p->a], *b = &of->members[p->b];
+            nqm_library_set_pair(s, 2 * i, a, p->a, b, p->b);
+            nqm_library_set_pair(s, 2 * i + 1, b, p->b, a, p->a);
         }
         if (status == NQM_OK)
-            status = nqm_scorer_run_named(s->scorer, 2 * n_block, names, r, NULL, err);
-        for (size_t i = 0; status == NQM_OK && i < 2 * n_block; ++i) {
-            const near_pair *p = &pairs[first + i / 2];
-            jods[i] = r[i].jod;
-            if (of->members[p->a].is_textured || of->members[p->b].is_textured)
-                status = nqm_library_jod(s, &names[i], true, &jods[i], err);
-        }
+            status = nqm_library_score_few(s, 2 * n_block, err);
         for (size_t i = 0; status == NQM_OK && i < n_block; ++i)
-            if (jods[2 * i] >= jod && jods[2 * i + 1] >= jod) /* false for NaN */
+            if (s->pairs[2 * i].result.jod >= jod && s->pairs[2 * i + 1].result.jod >= jod) /* false for NaN */
                 pairs[(*n_pairs)++] = pairs[first + i];
     }
     return status;
@@ -292,14 +281,8 @@ static nqm_status score_replaced(nqm_library *of, graph *g, nqm_error *err) {
     for (size_t i = 1; i <= of->n; ++i)
         first[i] += first[i - 1];
     for (size_t i = 0; i < of->n; ++i)
-        if (kept[i] != i) {
-            const nqm_library_member *member = &of->members[i], *keep = &of->members[kept[i]];
-            const size_t at = first[kept[i]]++;
-            s->pairs[at].ref = i;
-            s->pairs[at].test = kept[i];
-            s->pairs[at].names = (nqm_named_pair){member->argument, keep->argument};
-            s->textured[at] = member->is_textured || keep->is_textured;
-        }
+        if (kept[i] != i)
+            nqm_library_set_pair(s, first[kept[i]]++, &of->members[i], i, &of->members[kept[i]], kept[i]);
     nqm_free(first);
     return nqm_library_score(s, n, false, err);
 }

@@ -72,7 +72,7 @@ static void set_value(const entry *e, const nqm_score_result *score, const nqm_t
             c->kind == NQM_COLUMN_FLAG ? *(const int *)(const void *)at : (double)*(const size_t *)(const void *)at;
 }
 
-nqm_column nqm_score_column(size_t i, const nqm_score_result *score, const nqm_texture_result *texture) {
+nqm_column nqm_pairs_column(size_t i, const nqm_score_result *score, const nqm_texture_result *texture) {
     static const char *const objects[] = {"", "parts", "parts", "parts", "metrics", "texture"};
     nqm_column c = {.name = NULL};
     if (i >= N_SCORES && i < N_SCORES + NQM_METRIC_COUNT) {

@@ -4,7 +4,7 @@
  * exposure are those of the scene.
  */
 #include "math/math.h"
-#include "render/view.h"
+#include "render/render.h"
 
 #include <math.h>
 #include <string.h>

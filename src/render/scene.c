@@ -62,11 +62,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_scene_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_scene_options nqm_scene_options_default(void) {
-    nqm_scene_options options = {0};
-    (void)!nqm_options_begin(&nqm_scene_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_scene_option, .scene = NQM_SCENE_STANDARD)
 
 size_t nqm_scene_n_lights(const nqm_scene_options *options) {
     if (options->n_lights)

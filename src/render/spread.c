@@ -4,7 +4,7 @@
  * many visible points.
  */
 #include "math/math.h"
-#include "render/view.h"
+#include "render/render.h"
 
 #include <math.h>
 #include <stdlib.h>

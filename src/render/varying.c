@@ -3,7 +3,7 @@
  * Pictures of a surface whose BRDF varies: texture coordinates of the points, and the mean light of several positions of each.
  */
 #include "math/math.h"
-#include "render/view.h"
+#include "render/render.h"
 
 #include <math.h>
 #include <stdatomic.h>

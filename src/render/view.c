@@ -3,8 +3,8 @@
  * The visible points of all frames of the turntable with their local frames, either at the centres of pixels or distributed
  * over the pictures (spread.c).
  */
-#include "render/view.h"
 #include "math/math.h"
+#include "render/render.h"
 
 #include <math.h>
 #include <string.h>

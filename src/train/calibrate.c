@@ -3,9 +3,9 @@
  * Copies of a model with added information: intervals, calibrated on validation materials that the model was not
  * trained on, or notes in the model card. The results of a calibration are stored in the metadata and in the card.
  */
-#include "train/calibrate.h"
 #include "io/json.h"
 #include "metric/metric.h"
+#include "train/train.h"
 
 #include <math.h>
 #include <string.h>

@@ -21,7 +21,7 @@
  *    0.001 JOD, differences that y hides.
  */
 #include "math/math.h"
-#include "train/calibrate.h"
+#include "train/train.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
  * training pairs evenly, independent of their density.
  */
 #include "math/math.h"
-#include "train/calibrate.h"
+#include "train/train.h"
 
 #include <math.h>
 #include <string.h>

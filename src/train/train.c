@@ -8,7 +8,6 @@
 #include "math/math.h"
 #include "metric/metric.h"
 #include "percept/percept.h"
-#include "train/calibrate.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,8 +23,7 @@ typedef struct run {
     float *target, *z, *dz; /* (batch, n_outputs) */
     nqm_ticker ticker;
     nqm_output_bounds bounds[1 + NQM_LABEL_PARTS];
-    size_t steps_per_epoch, epochs_resumed;
-    uint64_t dropout_seed;
+    size_t epochs_resumed;
 } run;
 
 static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs, size_t n_outputs) {
@@ -90,8 +88,9 @@ static void shuffle(run *r) {
 /* One optimiser step on n examples; returns their mean loss before the step. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
-    const nqm_dropout dropout = {
-        .p = o->network.dropout, .seed = r->dropout_seed, .step = nqm_trainer_steps(r->trainer)};
+    const nqm_dropout dropout = {.p = o->network.dropout,
+                                 .seed = nqm_hash_u64(o->optimiser.seed, NQM_STREAM_DROPOUT),
+                                 .step = nqm_trainer_steps(r->trainer)};
     const nqm_step_rates rates = {.lr_first = r->state.lr_first,
                                   .lr_deeper = r->state.lr_deeper,
                                   .weight_decay = o->optimiser.weight_decay,
@@ -115,7 +114,7 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
                             "the loss stopped being finite in epoch %zu, step %zu; try a lower learning rate",
                             r->state.epoch + 1, k);
         sum += loss * (double)n;
-        const double done = (double)r->state.epoch + (double)k / (double)r->steps_per_epoch;
+        const double done = (double)r->state.epoch + (double)k / (double)nqm_ceil_div(n_train, batch);
         if (nqm_tick(&r->ticker, "train", done, (double)r->options->optimiser.epochs))
             return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted in epoch %zu%s%s", r->state.epoch + 1,
                             r->options->run.checkpoint ? "; go on with the checkpoint " : "",
@@ -316,12 +315,10 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     run r = {.dataset = dataset, .options = options};
     nqm_train_report report = {0};
     r.ticker = (nqm_ticker){.fn = options->run.progress, .user = options->run.progress_user};
-    r.dropout_seed = nqm_hash_u64(options->optimiser.seed, NQM_STREAM_DROPOUT);
     status = nqm_examples_create(dataset, options, options->optimiser.batch, &r.examples, err);
     if (status == NQM_OK)
         status = alloc_run(&r, err);
     if (status == NQM_OK) {
-        r.steps_per_epoch = (r.examples.n_train + options->optimiser.batch - 1) / options->optimiser.batch;
         begin_state(&r);
         status = run_epochs(&r, err);
     }

@@ -4,7 +4,7 @@
  */
 #include "translate/translate.h"
 
-#include "fit/anisotropy.h"
+#include "fit/fit.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 
 #include "base/options.h"
 #include "brdf/brdf.h"
-#include "fit/anisotropy.h"
+#include "fit/fit.h"
 #include "material/material.h"
 #include <nqm/metric.h>
 

@@ -5,8 +5,7 @@
 #ifndef NQM_TESTS_ENCODER_FILES_H
 #define NQM_TESTS_ENCODER_FILES_H
 
-#include "encode/hyper.h"
-#include "encode/sparse.h"
+#include "encode/encode.h"
 
 /** Write a file with the metadata of encoders. */
 void write_encoder(const char *path, const char *kind, size_t n_tensors, const nqm_tensor *tensors);

@@ -68,8 +68,7 @@ static void fill_transport(nqm_dataset *d, nqm_rng *rng) {
 }
 
 /* Add one test: a copy of the reference's lobe that is scaled (gain) or has another width (gloss). */
-static void add_test(nqm_dataset_builder *b, const toy_options *o, size_t ref, lobe l, nqm_rng *rng) {
-    const nqm_dataset *d = b->dataset;
+static void add_test(nqm_dataset *d, const toy_options *o, size_t ref, lobe l, nqm_rng *rng) {
     const size_t p = d->n_pairs, n = 3 * d->n_directions;
     const bool is_gloss = p % 2;
     const double amount = exp(1.5 * nqm_rng_uniform(rng) * nqm_rng_uniform(rng) - 0.1);
@@ -80,10 +79,10 @@ static void add_test(nqm_dataset_builder *b, const toy_options *o, size_t ref, l
         l.width *= amount;
     for (size_t k = 0; k < 3; ++k)
         l.albedo[k] *= is_gloss ? 1 : amount;
-    sample_lobe(d, &l, b->dataset->test_rgb + p * n);
-    const double delta_e = label_delta_e(n, b->dataset->ref_rgb + ref * n, b->dataset->test_rgb + p * n);
-    must(nqm_dataset_add_kind(b, is_gloss ? "gloss" : "gain", o->families[is_gloss], &kind, NULL));
-    must(nqm_dataset_add_pair(b, (uint32_t)ref, name, kind, delta_e, nqm_curve_jod(&nqm_curve_published, delta_e),
+    sample_lobe(d, &l, d->test_rgb + p * n);
+    const double delta_e = label_delta_e(n, d->ref_rgb + ref * n, d->test_rgb + p * n);
+    must(nqm_dataset_add_kind(d, is_gloss ? "gloss" : "gain", o->families[is_gloss], &kind, NULL));
+    must(nqm_dataset_add_pair(d, (uint32_t)ref, name, kind, delta_e, nqm_curve_jod(&nqm_curve_published, delta_e),
                               NULL));
 }
 
@@ -106,8 +105,7 @@ nqm_dataset *toy_dataset(const toy_options *o) {
     nqm_rng rng = nqm_rng_make(o->seed, 0);
     double *degrees = nqm_alloc(o->n_directions, 3 * sizeof *degrees);
     lobe *lobes = nqm_alloc(n_refs, sizeof *lobes);
-    nqm_dataset_builder b;
-    nqm_dataset *dataset;
+    nqm_dataset *d, *dataset;
     if (!degrees || !lobes)
         abort();
     for (size_t i = 0; i < o->n_directions; ++i) {
@@ -121,39 +119,38 @@ nqm_dataset *toy_dataset(const toy_options *o) {
                                        .max_pairs = n_refs * o->pairs_per_ref,
                                        .has_masks = o->with_masks,
                                        .has_parts = o->with_transport,
-                                       .has_errors = o->with_transport,
                                        .has_transport = o->with_transport};
-    must(nqm_dataset_begin(&limits, &b, NULL));
+    must(nqm_dataset_begin(&limits, &d, NULL));
     for (size_t r = 0; r < n_refs; ++r) {
         char name[32];
         uint32_t group;
         const size_t g = r / 2;
         snprintf(name, sizeof name, "material %zu", g);
-        must(nqm_dataset_add_group(&b, name, strlen(name),
+        must(nqm_dataset_add_group(d, name, strlen(name),
                                    o->splits && g % 4 == 1   ? NQM_SPLIT_VALIDATION
                                    : o->splits && g % 4 == 3 ? NQM_SPLIT_TEST
                                                              : NQM_SPLIT_TRAIN,
                                    &group, NULL));
         snprintf(name, sizeof name, "reference %zu", r);
         lobes[r] = random_lobe(&rng);
-        sample_lobe(b.dataset, &lobes[r], b.dataset->ref_rgb + r * 3 * o->n_directions);
-        must(nqm_dataset_add_reference(&b, name, group, NULL));
+        sample_lobe(d, &lobes[r], d->ref_rgb + r * 3 * o->n_directions);
+        must(nqm_dataset_add_reference(d, name, group, NULL));
     }
     for (size_t r = 0; r < n_refs; ++r)
         for (size_t i = 0; i < o->pairs_per_ref; ++i)
-            add_test(&b, o, r, lobes[r], &rng);
+            add_test(d, o, r, lobes[r], &rng);
     if (o->with_masks) {
-        fill_mask(n_refs, o->n_directions, &rng, b.dataset->ref_used);
-        fill_mask(b.max_pairs, o->n_directions, &rng, b.dataset->test_used);
+        fill_mask(n_refs, o->n_directions, &rng, d->ref_used);
+        fill_mask(limits.max_pairs, o->n_directions, &rng, d->test_used);
     }
     if (o->with_transport) {
-        fill_transport(b.dataset, &rng);
-        fill_parts(b.dataset, &rng);
+        fill_transport(d, &rng);
+        fill_parts(d, &rng);
     }
     char manifest[100] = "{\"made_by\": \"toy_dataset\"}";
     if (o->unseen)
         snprintf(manifest, sizeof manifest, "{\"unseen_kinds\": [\"%s\"]}", o->unseen);
-    must(nqm_dataset_finish(&b, NQM_OK, manifest, NULL, &dataset, NULL));
+    must(nqm_dataset_finish(d, NQM_OK, manifest, NULL, &dataset, NULL));
     nqm_free(degrees);
     nqm_free(lobes);
     return dataset;

@@ -3,8 +3,7 @@
  * encode_with - codes BRDFs with an encoder file as `nqm fit --model sparse-*` or `hyper-*` would with the embedded one, and prints the loss of
  * each. usage: encode_with sparse|hyper FILE N BRDF...   (N: atoms, or samples that the hypernetwork reads)
  */
-#include "encode/hyper.h"
-#include "encode/sparse.h"
+#include "encode/encode.h"
 #include "nqm/tool.h"
 
 #include <string.h>

@@ -4,9 +4,8 @@
  * "CODE<tab>MESSAGE" for each: the exit code that the tool would end with, 0 for a file that was accepted. The kind
  * `spec` is a file with the text of a BRDF argument. A BRDF is also evaluated, and must give finite values.
  */
-#include "data/human.h"
+#include "data/data.h"
 #include "encode/encode.h"
-#include "encode/hyper.h"
 #include "io/raster.h"
 #include "nqm/tool.h"
 #include "pairs/pairs.h"

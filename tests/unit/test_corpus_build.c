@@ -5,7 +5,7 @@
  */
 #include "corpus/corpus.h"
 #include "data/data.h"
-#include "fit/open.h"
+#include "fit/fit.h"
 #include "label/label.h"
 #include "metric/metric.h"
 #include "support/check.h"

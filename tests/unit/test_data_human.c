@@ -3,7 +3,7 @@
  * Human answers: scores become a dataset with the samples of the named BRDFs, choices are summed and evaluated as by
  * hand, and invalid files are refused with the row.
  */
-#include "data/human.h"
+#include "data/data.h"
 #include "judge/judge.h"
 #include "math/math.h"
 #include "support/check.h"
@@ -28,8 +28,7 @@ static int tear_down(void **state) {
 }
 
 static nqm_status load(const char *text, nqm_human **human, nqm_error *err) {
-    nqm_human_options o = nqm_human_options_default();
-    o.directions = directions;
+    const nqm_human_options o = {.directions = directions};
     return nqm_human_load(scratch_text("answers.csv", text), &o, human, err);
 }
 
@@ -42,8 +41,9 @@ static nqm_human *must_load(const char *text) {
 }
 
 static nqm_evaluation *evaluate(const nqm_human *human) {
+    const nqm_eval_options o = nqm_eval_options_default();
     nqm_evaluation *ev;
-    assert_int_equal(nqm_evaluation_create(human->dataset, 0, NULL, NULL, NULL, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(human->dataset, 0, NULL, NULL, &o, &ev, NULL), NQM_OK);
     return ev;
 }
 
@@ -249,10 +249,8 @@ TEST(faults_name_file_and_row) {
             fail_msg("%s: status %d, '%s'", row[0], status, err.message);
     }
     nqm_human *human;
-    assert_int_equal(nqm_human_load(scratch_path("nowhere.csv"), NULL, &human, NULL), NQM_ERR_IO);
-    nqm_human_options o = nqm_human_options_default();
-    o.min_valid_fraction = 2;
-    assert_int_equal(nqm_human_load(scratch_path("answers.csv"), &o, &human, NULL), NQM_ERR_ARG);
+    const nqm_human_options o = {.root = NULL};
+    assert_int_equal(nqm_human_load(scratch_path("nowhere.csv"), &o, &human, NULL), NQM_ERR_IO);
 }
 
 static int stop(void *user, const char *stage, double done, double total) {
@@ -261,10 +259,8 @@ static int stop(void *user, const char *stage, double done, double total) {
 }
 
 TEST(stops_when_asked) {
-    nqm_human_options o = nqm_human_options_default();
+    const nqm_human_options o = {.directions = directions, .progress = stop};
     nqm_human *human;
-    o.directions = directions;
-    o.progress = stop;
     assert_int_equal(nqm_human_load(scratch_text("s.csv", scores), &o, &human, NULL), NQM_ERR_CANCELLED);
     assert_null(human);
 }

@@ -4,7 +4,7 @@
  * back, or refused.
  */
 #include "brdf/brdf.h"
-#include "encode/hyper.h"
+#include "encode/encode.h"
 #include "support/check.h"
 #include "support/encoder_files.h"
 #include "support/scratch.h"

@@ -3,7 +3,7 @@
  * Training of an NBRDF network: its loss against the formula in double with the evaluation of src/brdf, its gradient
  * against central differences of that loss, and both against PyTorch (tests/vectors/nbrdf.py).
  */
-#include "encode/nbrdf_net.h"
+#include "encode/encode.h"
 #include "math/math.h"
 #include "support/check.h"
 

@@ -4,7 +4,7 @@
  * atoms reduce the loss, coarser levels increase it, cells without a value are filled, and a BRDF without values is refused.
  */
 #include "brdf/brdf.h"
-#include "encode/sparse.h"
+#include "encode/encode.h"
 #include "fit/fit.h"
 #include "math/math.h"
 #include "support/allocations.h"

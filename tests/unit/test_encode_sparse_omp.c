@@ -3,7 +3,7 @@
  * Matching pursuit against an independent implementation step by step (tests/vectors/omp.py), and against the closed
  * form for an orthonormal dictionary; a sum of atoms is recovered exactly; linearly dependent atoms are skipped.
  */
-#include "encode/sparse.h"
+#include "encode/encode.h"
 #include "support/check.h"
 #include "support/vectors.h"
 

@@ -3,7 +3,6 @@
  * Fits of anisotropic references: both widths and the azimuth are found, and models of one width stay as they are.
  */
 #include "brdf/brdf.h"
-#include "fit/anisotropy.h"
 #include "fit/fit.h"
 #include "support/check.h"
 

@@ -4,7 +4,6 @@
  * random starts, the selection of auto and its independence of threads, stopping, faults.
  */
 #include "fit/fit.h"
-#include "fit/match.h"
 #include "math/math.h"
 #include "model/model.h"
 #include "support/allocations.h"

@@ -4,7 +4,7 @@
  * an optimiser, overfitted networks, tables; wrong settings; the bases of an argument.
  */
 #include "brdf/brdf.h"
-#include "fit/open.h"
+#include "fit/fit.h"
 #include "support/check.h"
 #include "support/rows.h"
 

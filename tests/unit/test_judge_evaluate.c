@@ -4,8 +4,7 @@
  * one that copies the resampled pairs, and models and metrics on a dataset against single predictions.
  */
 #include "io/io.h"
-#include "judge/agreement.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"
@@ -402,8 +401,9 @@ TEST(selections) {
     nqm_error err = {0};
     assert_int_equal(evaluate(model, d, &o, a, &err), NQM_ERR_INCOMPATIBLE);
     t.seed = 2;
+    o.kind = NULL;
     nqm_dataset *elsewhere = toy_dataset(&t);
-    assert_int_equal(evaluate(model, elsewhere, NULL, a, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(evaluate(model, elsewhere, &o, a, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "directions"));
     nqm_dataset_free(elsewhere);
     nqm_model_free(model);

@@ -3,7 +3,7 @@
  * Evaluation of the parts of labels against correlations of single predictions, the estimate by light transport, and
  * subsets of pairs.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"
@@ -124,8 +124,9 @@ TEST(parts_are_judged) {
 
 TEST(parts_that_do_not_exist) {
     nqm_part_agreement parts[NQM_EVAL_PARTS];
-    assert_int_equal(nqm_evaluation_judge_parts(evaluation, NULL, 1, parts, NULL), NQM_ERR_ARG); /* one output */
-    assert_int_equal(nqm_evaluation_judge_parts(evaluation, NULL, 2, parts, NULL), NQM_ERR_ARG); /* a metric */
+    const nqm_eval_options all = nqm_eval_options_default();
+    assert_int_equal(nqm_evaluation_judge_parts(evaluation, &all, 1, parts, NULL), NQM_ERR_ARG); /* one output */
+    assert_int_equal(nqm_evaluation_judge_parts(evaluation, &all, 2, parts, NULL), NQM_ERR_ARG); /* a metric */
     toy_options t = toy_options_default(); /* the same directions and BRDFs, but neither parts nor a matrix */
     nqm_dataset *d = toy_dataset(&t);
     nqm_evaluation *ev;
@@ -165,7 +166,8 @@ TEST(estimate_is_a_predictor) {
         }
     }
     nqm_agreement results[3 + NQM_METRIC_COUNT];
-    assert_int_equal(nqm_evaluation_judge(evaluation, NULL, results, NULL), NQM_OK);
+    const nqm_eval_options all = nqm_eval_options_default();
+    assert_int_equal(nqm_evaluation_judge(evaluation, &all, results, NULL), NQM_OK);
     assert_string_equal(results[estimate].name, "estimate");
     assert_true(results[estimate].spearman.value > 0.5 && isfinite(results[estimate].mae.value));
     assert_true(isnan(results[estimate - 1].mae.value));

@@ -46,8 +46,7 @@ static int make_study(void **state) {
     for (size_t i = 0; i < REFS + TESTS; ++i)
         free(specs[i]);
     assert_int_equal(nqm_model_builtin("transport", &model, NULL), NQM_OK);
-    nqm_human_options o = nqm_human_options_default();
-    o.directions = model->directions;
+    const nqm_human_options o = {.directions = model->directions};
     assert_int_equal(nqm_human_load(path, &o, &human, NULL), NQM_OK);
     remove(path);
     size_t pairs[REFS * TESTS];

@@ -5,7 +5,7 @@
  */
 #include "metric/metric.h"
 #include "percept/percept.h"
-#include "render/view.h"
+#include "render/render.h"
 #include "support/check.h"
 
 static double even_log(uint64_t i, uint64_t k, double low, double high) {

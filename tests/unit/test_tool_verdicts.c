@@ -63,23 +63,23 @@ TEST(columns_have_the_values_of_the_result) {
                     {"far_jod_high", "texture", "far_jod_high", 9.5}};
     size_t n_found = 0;
     nqm_column c;
-    for (size_t i = 0; (c = nqm_score_column(i, &r, &t)).name; ++i) {
+    for (size_t i = 0; (c = nqm_pairs_column(i, &r, &t)).name; ++i) {
         if (strcmp(c.name, "verdict") == 0)
             assert_string_equal(c.text, "between practically the same and visible");
         for (size_t k = 0; k < i; ++k)
-            assert_string_not_equal(nqm_score_column(k, NULL, NULL).name, c.name);
+            assert_string_not_equal(nqm_pairs_column(k, NULL, NULL).name, c.name);
         for (size_t k = 0; k < sizeof expected / sizeof *expected; ++k)
             if (strcmp(c.name, expected[k].name) == 0) {
                 assert_string_equal(c.object, expected[k].object);
                 assert_string_equal(c.member, expected[k].member);
                 assert_true(c.number == expected[k].value);
-                assert_true(isnan(nqm_score_column(i, NULL, NULL).number));
+                assert_true(isnan(nqm_pairs_column(i, NULL, NULL).number));
                 ++n_found;
             }
     }
     assert_int_equal(n_found, sizeof expected / sizeof *expected);
     r.status = NQM_ERR_IO;
-    for (size_t i = 0; (c = nqm_score_column(i, &r, NULL)).name; ++i)
+    for (size_t i = 0; (c = nqm_pairs_column(i, &r, NULL)).name; ++i)
         if (c.kind == NQM_COLUMN_WHOLE || c.kind == NQM_COLUMN_FLAG)
             assert_true(isnan(c.number));
 }

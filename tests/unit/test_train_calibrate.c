@@ -4,14 +4,14 @@
  * inside.
  */
 #include "io/io.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/scratch.h"
 #include "support/tiny_model.h"
 #include "support/toy_dataset.h"
 #include "support/training.h"
-#include "train/calibrate.h"
+#include "train/train.h"
 
 static const double small_table[9] = {0, 0, 3, 8, 6, 9, 10, 9.5, 10};
 

@@ -5,7 +5,7 @@
  */
 #include "support/check.h"
 #include "support/vectors.h"
-#include "train/calibrate.h"
+#include "train/train.h"
 
 enum { N_MATERIALS = 24, PAIRS_EACH = 40, MAX = N_MATERIALS * PAIRS_EACH };
 

@@ -4,14 +4,14 @@
  * scores and intervals.
  */
 #include "io/io.h"
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/scratch.h"
 #include "support/toy_dataset.h"
 #include "support/training.h"
-#include "train/calibrate.h"
+#include "train/train.h"
 
 static nqm_dataset *dataset; /* 24 training materials, 12 validation materials */
 static nqm_model *trained;

@@ -3,7 +3,7 @@
  * Training of models that correct estimates by light transport: targets, the matrix in the model, predictions recomputed from
  * the network's output, training without the matrix, equal bits after resuming, and the refused target.
  */
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/sums.h"
@@ -185,7 +185,8 @@ TEST(novelty_by_the_models_matrix) {
         const nqm_transport transport = nqm_model_transport(model);
         nqm_evaluation *ev;
         assert_true(model->n_novelty > 0);
-        assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, NULL, &ev, NULL),
+        const nqm_eval_options all = nqm_eval_options_default();
+        assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, &all, &ev, NULL),
                          NQM_OK);
         for (size_t pair = 0; pair < toy->n_pairs; pair += 7) {
             double scalars[NQM_SCALAR_COUNT];

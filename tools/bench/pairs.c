@@ -50,8 +50,7 @@ static double label_delta_e(size_t n, const float *ref, const float *test) {
     return 40 * sum / (double)n;
 }
 
-static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng, nqm_error *err) {
-    const nqm_dataset *d = b->dataset;
+static nqm_status add_material(nqm_dataset *d, size_t ref, nqm_rng *rng, nqm_error *err) {
     const size_t width = 3 * d->n_directions;
     double material[PARAMETERS], changed[PARAMETERS];
     char name[NAME_BYTES];
@@ -60,18 +59,18 @@ static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng,
     random_material(rng, material);
     nqm_status status = sample_material(material, d->directions, d->ref_rgb + ref * width, err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_group(b, name, strlen(name), NQM_SPLIT_TRAIN, &group, err);
+        status = nqm_dataset_add_group(d, name, strlen(name), NQM_SPLIT_TRAIN, &group, err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_reference(b, name, group, err);
+        status = nqm_dataset_add_reference(d, name, group, err);
     if (status == NQM_OK)
-        status = nqm_dataset_add_kind(b, "random", NULL, &kind, err);
+        status = nqm_dataset_add_kind(d, "random", NULL, &kind, err);
     for (size_t i = ref * TESTS_PER_REF; i < (ref + 1) * TESTS_PER_REF && status == NQM_OK; ++i) {
         float *test_rgb = d->test_rgb + i * width;
         change(material, rng, changed);
         status = sample_material(changed, d->directions, test_rgb, err);
         snprintf(name, sizeof name, "copy %zu", i);
         if (status == NQM_OK)
-            status = nqm_dataset_add_pair(b, (uint32_t)ref, name, kind,
+            status = nqm_dataset_add_pair(d, (uint32_t)ref, name, kind,
                                           label_delta_e(width, d->ref_rgb + ref * width, test_rgb), 0, err);
     }
     return status;
@@ -95,14 +94,14 @@ nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_
                                        .directions_deg = nqm_directions_get_info(directions).degrees,
                                        .max_refs = n_refs,
                                        .max_pairs = n_refs * TESTS_PER_REF};
-    nqm_dataset_builder b;
-    nqm_status status = nqm_dataset_begin(&limits, &b, err);
+    nqm_dataset *d;
+    nqm_status status = nqm_dataset_begin(&limits, &d, err);
     if (status != NQM_OK)
         return status;
     nqm_rng rng = nqm_rng_make(1, 0);
     for (size_t ref = 0; ref < n_refs && status == NQM_OK; ++ref)
-        status = add_material(&b, ref, &rng, err);
+        status = add_material(d, ref, &rng, err);
     if (status == NQM_OK)
-        status = spread_jods(b.dataset, b.dataset->jod, err);
-    return nqm_dataset_finish(&b, status, "{\"made_by\": \"nqm-bench\"}", NULL, dataset_ret, err);
+        status = spread_jods(d, d->jod, err);
+    return nqm_dataset_finish(d, status, "{\"made_by\": \"nqm-bench\"}", NULL, dataset_ret, err);
 }

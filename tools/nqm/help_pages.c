@@ -232,7 +232,7 @@ static void put_first_sentence(const char *about) {
 static void put_columns(void) {
     puts("\n## Columns of a score\n\n| CSV, Python | JSON | what |\n|---|---|---|");
     nqm_column c;
-    for (size_t i = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+    for (size_t i = 0; (c = nqm_pairs_column(i, NULL, NULL)).name; ++i)
         printf("| `%s` | `%s%s%s` | %s |\n", c.name, c.object, *c.object ? "." : "", c.member, c.about);
 }
 

@@ -4,8 +4,7 @@
  */
 #include "base/names.h"
 #include "brdf/formats/listed.h"
-#include "fit/match.h"
-#include "fit/open.h"
+#include "fit/fit.h"
 #include "material/material.h"
 #include "nqm/textured.h"
 #include "nqm/tool.h"

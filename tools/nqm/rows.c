@@ -118,7 +118,7 @@ json_t *set_columns(json_t *row, unsigned groups, const bool *metrics, const nqm
     if (isnan(score->parts.structure))
         groups &= ~of_parts;
     for (size_t i = 0;; ++i) {
-        const nqm_column c = nqm_score_column(i, score, texture);
+        const nqm_column c = nqm_pairs_column(i, score, texture);
         if (!c.name)
             return row;
         if (!is_wanted(&c, groups, metrics))
@@ -138,7 +138,7 @@ char *list_columns(const char *first, unsigned groups, const bool *metrics, cons
     nqm_column c;
     FILE *out = open_text(&text, &n);
     fputs(first, out);
-    for (size_t i = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+    for (size_t i = 0; (c = nqm_pairs_column(i, NULL, NULL)).name; ++i)
         if (is_wanted(&c, groups, metrics))
             fprintf(out, ",%s=%s%s%s", c.name, c.object, *c.object ? "." : "", c.member);
         else if (c.group == NQM_COLUMN_TEXTURE && groups & COLUMNS_BARE_TEXTURE)

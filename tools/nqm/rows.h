@@ -27,7 +27,7 @@ enum {
     COLUMNS_TEXTURE = 1 << NQM_COLUMN_TEXTURE,
     COLUMNS_BARE_TEXTURE = COLUMNS_TEXTURE << 1, /* the same as members of the row itself */
 };
-/** Members of an object from the columns of these groups (nqm_score_column()), in "parts" and the like where they belong; of metrics
+/** Members of an object from the columns of these groups (nqm_pairs_column()), in "parts" and the like where they belong; of metrics
  *  the chosen ones, NULL: all. What the result does not have is left out, or null. Returns row. */
 json_t *set_columns(json_t *row, unsigned groups, const bool *metrics, const nqm_score_result *score,
                     const nqm_texture_result *texture);

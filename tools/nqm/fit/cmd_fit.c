@@ -5,7 +5,6 @@
  */
 #include "base/names.h"
 #include "fit/fit.h"
-#include "fit/match.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"

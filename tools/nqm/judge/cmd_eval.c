@@ -154,11 +154,9 @@ static size_t first_alike(const eval_run *run, size_t model) {
 /* The BRDFs at the directions of a model; NULL: at those of "default". */
 static nqm_human *load_human(const eval_run *run, const char *root, const nqm_model *model) {
     nqm_human *human;
-    nqm_human_options o = nqm_human_options_default();
-    o.root = list_root(root, run->dataset_path);
-    o.progress = show_progress;
-    if (model)
-        o.directions = nqm_model_get_info(model).directions;
+    const nqm_human_options o = {.root = list_root(root, run->dataset_path),
+                                 .directions = model ? nqm_model_get_info(model).directions : NULL,
+                                 .progress = show_progress};
     must(nqm_human_load(run->dataset_path, &o, &human, &fault));
     return human;
 }

@@ -6,7 +6,7 @@
 #ifndef NQM_TOOL_EVAL_H
 #define NQM_TOOL_EVAL_H
 
-#include "judge/evaluate.h"
+#include "judge/judge.h"
 #include "nqm/score/score.h"
 
 /** The values of nqm_eval_options.subset, NULL-terminated. */

@@ -173,7 +173,7 @@ bool has_textures(const score_run *run) {
 texture_numbers texture_numbers_of(const nqm_texture_result *t) {
     texture_numbers numbers;
     nqm_column c;
-    for (size_t i = 0, k = 0; (c = nqm_score_column(i, NULL, t)).name; ++i)
+    for (size_t i = 0, k = 0; (c = nqm_pairs_column(i, NULL, t)).name; ++i)
         if (c.group == NQM_COLUMN_TEXTURE && k < TEXTURE_NUMBERS)
             numbers.v[k++] = c.number;
     return numbers;
@@ -181,7 +181,7 @@ texture_numbers texture_numbers_of(const nqm_texture_result *t) {
 
 void set_texture_numbers(json_t *object, const texture_numbers *numbers) {
     nqm_column c;
-    for (size_t i = 0, k = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+    for (size_t i = 0, k = 0; (c = nqm_pairs_column(i, NULL, NULL)).name; ++i)
         if (c.group == NQM_COLUMN_TEXTURE && k < TEXTURE_NUMBERS)
             json_object_set_new(object, c.name, json_number(numbers->v[k++]));
 }

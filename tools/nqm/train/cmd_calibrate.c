@@ -69,10 +69,9 @@ static int calibrate_human(const char *answers) {
     nqm_model *model = open_model(model_name), *fitted;
     nqm_human *people;
     nqm_readout r;
-    nqm_human_options o = nqm_human_options_default();
-    o.root = list_root(root, answers);
-    o.progress = show_progress;
-    o.directions = nqm_model_get_info(model).directions;
+    const nqm_human_options o = {.root = list_root(root, answers),
+                                 .directions = nqm_model_get_info(model).directions,
+                                 .progress = show_progress};
     must(nqm_human_load(answers, &o, &people, &fault));
     must(nqm_human_fit_readout(people, model, &eval_options, &r, &fault));
     const bool gains = r.gain.ci95[0] > 0;
