@@ -4,9 +4,6 @@
  */
 #include "argument/argument.h"
 
-#include "base/names.h"
-#include <string.h>
-
 /* There is no material of that name, or it is to be named (NULL). */
 static nqm_status fail_select(const nqm_argument *a, nqm_error *err) {
     enum { MOST = 1000 }; /* materials of which the nearest name is found */

@@ -7,8 +7,6 @@
 #include "brdf/core/spec.h"
 #include "schema/presets.h"
 #include <errno.h>
-#include <string.h>
-#include <sys/stat.h>
 
 static nqm_status fail_absent(const char *path, nqm_error *err) {
     struct stat st;

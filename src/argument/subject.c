@@ -3,10 +3,8 @@
  * BRDFs that are not open yet: names, and values of a texel with its normal.
  */
 #include "argument/argument.h"
-#include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 nqm_subject nqm_subject_named(const char *name) {
     return (nqm_subject){.name = name};

@@ -4,7 +4,6 @@
  * and the counts of clamped and missing values. The largest difference of two BRDFs over such pairs.
  */
 #include "brdf/formats/listed.h"
-#include "math/math.h"
 
 #include <math.h>
 

@@ -5,9 +5,6 @@
 #include "brdf/core/spec.h"
 #include "schema/presets.h"
 
-#include <stddef.h>
-#include <string.h>
-
 #define POINTER_TO(NAME)         &(NAME),
 #define SHADING_MODEL(NAME, ...) &nqm_##NAME##_model,
 static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_SCHEMAS(SHADING_MODEL)

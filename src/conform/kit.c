@@ -7,10 +7,6 @@
 
 #include "fit/fit.h"
 #include "math/math.h"
-#include <nqm/samples.h>
-
-#include <math.h>
-#include <string.h>
 
 const double nqm_conform_azimuths_deg[NQM_CONFORM_AZIMUTHS] = {0, 90, 40};
 

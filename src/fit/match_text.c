@@ -2,7 +2,6 @@
  *
  * The text of a loss: "auto", "auto:SUM" or SUM, where SUM is "WEIGHT*WORD+...".
  */
-#include "base/names.h"
 #include "fit/fit.h"
 #include "fit/match.h"
 

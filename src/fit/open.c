@@ -5,7 +5,6 @@
  * directions (at, own), a reciprocal table (model=table).
  */
 #include "fit/open.h"
-#include "base/names.h"
 #include "math/math.h"
 
 #include <string.h>

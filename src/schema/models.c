@@ -7,7 +7,6 @@
 #include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 #define DEFINE_SCHEMA(NAME, MODEL, KEYS, ALIAS, ABOUT)                                                                 \
     const nqm_schema nqm_##NAME##_schema = {.model = (MODEL),                                                          \

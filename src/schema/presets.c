@@ -5,8 +5,6 @@
  */
 #include "schema/presets.h"
 
-#include <string.h>
-
 const char *nqm_preset_named(const char *material) {
     const char *found = NULL;
     for (size_t i = 0; i < nqm_preset_name_count; ++i) {

@@ -7,7 +7,6 @@
 #define NQM_SRC_SCHEMA_H
 
 #include "base/base.h"
-#include "base/names.h"
 
 /** What a key of a shading model means. Keys of one role mean the same in all models, up to their unit. The roles of a layer follow
  *  its weight. */

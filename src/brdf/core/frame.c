@@ -7,7 +7,6 @@
 #include "brdf/core/spec.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { DEG, AZIMUTH, BLOCK = 128 };
 static const double DEGREE = NQM_PI / 180;

@@ -5,7 +5,6 @@
  * the normal, must be stretched and moved like it.
  */
 #include "brdf/brdf.h"
-#include "math/math.h"
 
 #include <math.h>
 

@@ -9,10 +9,8 @@
  * settings then change the value, in the order of the keys below.
  */
 #include "brdf/core/spec.h"
-#include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SHIFT, GLOSS, SMOOTH, FIRST_VALUE_KEY };
 enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, LOPSIDED, RIPPLE };

@@ -5,7 +5,6 @@
 #include "brdf/core/spec.h"
 
 #include <math.h>
-#include <stddef.h>
 
 enum { MAX_PAIRS = 64 };
 

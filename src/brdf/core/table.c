@@ -5,9 +5,7 @@
  */
 #include "brdf/brdf.h"
 
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 
 enum { MAX_NODES = 1 << 24 }; /* eleven times a MERL table */
 

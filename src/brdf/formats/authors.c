@@ -6,7 +6,6 @@
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include <string.h>
 
 static bool probe(const nqm_map *map) {
     static const char start[] = "MATLAB 5.0 MAT-file";

@@ -11,13 +11,10 @@
  */
 #include "brdf/formats/listed.h"
 
-#include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double degree = NQM_PI / 180, default_tolerance = 0.1;
 

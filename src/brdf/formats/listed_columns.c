@@ -5,13 +5,10 @@
  * spectrum, or a single column, which is grey. Files in the layout of ASTM E1392 are the same, in radians, after lines of text and
  * the word VARS.
  */
-#include "brdf/formats/format.h"
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */

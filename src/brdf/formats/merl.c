@@ -13,10 +13,8 @@
  */
 #include "brdf/formats/format.h"
 
-#include "math/math.h"
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 /* A line: the cells of one theta_h and theta_d, over phi_d. */
 enum { N_THETA_H = 90, N_THETA_D = 90, N_LINES = N_THETA_H * N_THETA_D, N_PHI_HALF = 180, N_PHI_FULL = 360 };

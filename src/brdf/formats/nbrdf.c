@@ -7,10 +7,7 @@
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <stddef.h>
-#include <string.h>
 
 /* Rows are padded with zeros to a multiple of four, so that vectorised loops need no remainder. */
 enum { N_IN = 6, N_HIDDEN = 21, N_OUT = 3, HIDDEN_PADDED = 24, OUT_PADDED = 4 };

@@ -6,7 +6,6 @@
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include <string.h>
 
 static nqm_status check_shape(const nqm_map *map, const nqm_tensor *t, nqm_table_size *size, nqm_error *err) {
     char shape[160] = "";

@@ -9,7 +9,6 @@
 
 #include "brdf/formats/grid.h"
 #include "io/io.h"
-#include "math/math.h"
 
 /* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {

@@ -21,10 +21,8 @@
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* Tolerance of the ranges of phi_i, radians. */
 #define PHI_SLACK 1e-3

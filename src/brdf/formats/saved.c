@@ -7,7 +7,6 @@
 
 #include "io/io.h"
 #include <math.h>
-#include <string.h>
 
 #define NETWORK_FORMAT "nqm-nbrdf"
 #define TABLE_FORMAT   "nqm-table"

@@ -11,7 +11,6 @@
 #include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 
-#include "math/math.h"
 #include <float.h>
 #include <math.h>
 

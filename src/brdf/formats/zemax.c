@@ -5,14 +5,11 @@
  * the normal. With several angles of incidence f_r is linear in the three angles; one angle, or several rotations of the sample, make
  * a list of directions. X, Y and Z are taken relative to the white of D65.
  */
-#include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 static const double degree = NQM_PI / 180;

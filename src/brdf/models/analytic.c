@@ -13,9 +13,6 @@
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
-#include "math/math.h"
-
-#include <math.h>
 
 /* d (kd / pi) / d kd */
 static const double PER_KD = 1 / NQM_PI;

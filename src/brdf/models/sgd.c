@@ -12,8 +12,6 @@
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
 
-#include <math.h>
-
 enum { KD, KS, ALPHA, P, F0, F1, K_NORM, LAMBDA, C, K_POWER, THETA0, N_KEYS };
 
 /* The shadowing of one channel. It is exactly 1 or 0 outside a band of angles; transcendental functions are evaluated

@@ -16,8 +16,6 @@
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
 
-#include <string.h>
-
 enum { NQM_COATED_CONDUCTOR_KEYS(NQM_KEY_INDEX) };
 
 enum {
