@@ -122,8 +122,9 @@ void nqm_argument_read(nqm_argument *argument, nqm_argument_files *files);
 /* Select the material of an argument, and open it. name: of the BRDF. */
 nqm_status nqm_argument_open_material(const nqm_argument *argument, const char *name, nqm_brdf **brdf_ret,
                                       nqm_error *err);
-/* As nqm_brdf_open(), with another name for the BRDF's information. */
-nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/* As nqm_brdf_open(), with another name for the BRDF's information. files: of nqm_argument_parse(). */
+nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_argument_files *files, nqm_brdf **brdf_ret,
+                                  nqm_error *err);
 
 /* ---- BRDFs that are not open yet ---------------------------------------------------------------------------------- */
 

@@ -42,17 +42,11 @@ uint64_t nqm_subject_hash(const nqm_subject *s) {
     return s->name ? add_bytes(hash, s->name, strlen(s->name)) : add_bytes(hash, s->values->v, values_size(s->values));
 }
 
-static nqm_status open_name(const char *name, nqm_argument_files *files, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_argument *a = nqm_argument_parse(name, files);
-    nqm_status status = a ? nqm_argument_open(a, brdf_ret, err) : nqm_fail_nomem(err, strlen(name) + 1);
-    nqm_argument_free(a);
-    return status;
-}
-
 nqm_status nqm_subject_open(const nqm_subject *s, nqm_argument_files *files, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *of = NULL;
     *brdf_ret = NULL;
-    nqm_status status = s->name ? open_name(s->name, files, &of, err) : nqm_brdf_of_values(s->values, &of, err);
+    nqm_status status =
+        s->name ? nqm_argument_open_text(s->name, s->name, files, &of, err) : nqm_brdf_of_values(s->values, &of, err);
     if (status == NQM_OK && s->tilt_deg > 0)
         return nqm_brdf_tilt_degrees(of, s->tilt_deg, s->azimuth_deg, brdf_ret, err);
     *brdf_ret = of;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads small pieces from many places of a large file: first the leading pieces that are in the page cache, without
- * waiting; then the others, in order of offset, after asking the system to prefetch all of them.
+ * Small pieces from many places of a large file: first the leading pieces that are in the page cache, without waiting; then the
+ * others, in order of offset, after asking the system to prefetch all of them.
  */
 /* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
 #define _GNU_SOURCE /* preadv2 */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Published parameters of measured materials by name. The tables of presets/ are embedded as text; only the requested
- * row is parsed.
+ * Published parameters of measured materials by name, from the text of the tables of presets/.
  */
 #include "schema/presets.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Half vectors that are even in the logarithm
- * of the slope suit round lobes of any width; those of a lobe that is much longer than wide, or that does not surround
- * the normal, must be stretched and moved like it.
+ * of the slope suit round lobes only: those of a lobe that is long, or does not surround the normal, are stretched and moved like it.
  */
 #include "brdf/brdf.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF in the layout of the paper's authors: MAT v5 with random_locations (n, 3), which are theta_h, theta_d and phi_d in degrees,
- * and r, g, b (n): a list of directions (listed.h), as `nqm sample -o FILE.mat` writes it.
+ * A BRDF in the layout of the paper's authors (doc/files.md), as `nqm sample -o FILE.mat` writes it: a list of directions.
  */
 #include "brdf/formats/listed.h"
 

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some
- * theta_h, theta_d and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered
- * directions (scattered.c). phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth
- * of the light over a full turn. Rows may also give the polar angles and azimuths of light and viewer; light and viewer
- * are then never exchanged, and a grid is one of theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it:
- * rows of a theta of 0 may be given once for all phi, and up to a quarter of the other rows may be missing. If pairs
- * recur at other phi_i with other values the list is anisotropic, and no grid. Rows that give a direction again count by their
- * mean.
+ * Directions and values (doc/files.md): which rows are one direction, which are a grid, between whose nodes f_r is linear in the
+ * angles, and which are scattered (scattered.c). A grid has theta_h, theta_d and phi_d, or theta_i, theta_o and phi = phi_o - phi_i.
  */
 #include "brdf/formats/listed.h"
 

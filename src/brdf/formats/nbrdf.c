@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335): a BRDF as a network of 6-21-21-3 in a Keras .h5 file, plain or
- * inside a zip, or in six .npy files as the authors' programs write them. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
- * output f_r, RGB. phi_d is folded to [0, pi), where the networks were trained; that makes the BRDF reciprocal.
+ * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335; doc/files.md): a network of 6-21-21-3 in a Keras .h5 file, plain or inside a
+ * zip, or in six .npy files.
  */
 #include "brdf/formats/format.h"
 

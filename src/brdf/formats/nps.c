@@ -117,13 +117,10 @@ static nqm_status read_decoder(const nqm_map *map, nps *net, nqm_error *err) {
     if (!numbers)
         return nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
     nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map->data, numbers);
-    nqm_status status;
-    if (nqm_all_within(N_NUMBERS, numbers, -FLT_MAX)) {
-        status = copy_layers(numbers, net, err);
-    } else {
-        size_t at = 4 * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", map->path, at);
-    }
+    const size_t at = sizeof *numbers * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
+    nqm_status status = at == map->n_bytes ? copy_layers(numbers, net, err)
+                                           : nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
+                                                      "%s: the weight at byte %zu is not finite", map->path, at);
     nqm_free(numbers);
     return status;
 }

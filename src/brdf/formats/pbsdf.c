@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Polarimetric materials (Baek et al. 2020, DOI 10.1145/3386569.3392387) in the tensor container: 4 x 4 Mueller matrices over
- * phi_d, theta_d, theta_h and wavelength. Only element (0, 0) is read: f_r for unpolarised light, without the cosine. The file
- * is not reciprocal: phi_d is the azimuth of the light about the half vector. Values stay in the mapped file, which has about a
- * gigabyte.
+ * Polarimetric materials (Baek et al. 2020, DOI 10.1145/3386569.3392387; doc/files.md) in the tensor container: 4 x 4 Mueller matrices,
+ * of which element (0, 0) is read. Values stay in the mapped file, which has about a gigabyte.
  */
 #include "brdf/formats/format.h"
 

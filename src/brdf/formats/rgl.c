@@ -1,22 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGL measured materials, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
- * grid that is warped, per direction of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
- * the point that the warp maps to the half vector. Evaluation inverts the warp (section 4): the half vector's
- * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
- * up bilinearly.
+ * RGL measured materials, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059; doc/files.md): f_r cos(theta_o) D^-1
+ * 4 sigma on a grid that is warped, per direction of incidence, by the distribution of visible normals. Evaluation inverts the warp
+ * (section 4): the half vector's coordinates go through the marginal and conditional integrals of the visible-normal density, and
+ * the result is looked up bilinearly. Spectra become RGB when the file is opened: evaluation is linear in the stored values.
  *
- * Azimuths of half vectors count from omega_i in isotropic files, and from the tangent in those with more than two
- * phi_i, as in the authors' loader and Mitsuba 3. These phi_i cover a turn, half a turn (f_r does not change when the
- * sample is turned by 180 degrees) or a quarter (f_r is symmetric about both axes).
- *
- * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
- * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
- * divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for matte materials,
- * more for flakes and leaves. Values may be negative where a colour is outside the gamut.
- *
- * Spectra become RGB when the file is opened: evaluation is linear in the stored values, so that the result is the same as
- * converting each evaluated spectrum.
+ * The file's omega_i is the viewer and its omega_o the light, whose stored cosine is divided out.
  */
 #include "brdf/formats/format.h"
 
@@ -293,12 +282,9 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order; NULL: it takes longer. */
-static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
-                               nqm_error *err) {
+/* Refuse values that are below `least` or not finite. */
+static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, nqm_error *err) {
     const unsigned char *data = t->data, *end = data + t->n_bytes;
-    if (value && nqm_all_within(nqm_tensor_count(t), value, least))
-        return NQM_OK;
     while (data < end && nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
     if (data == end)
@@ -317,7 +303,7 @@ static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float leas
                               nqm_error *err) {
     nqm_copy_little_endian(nqm_tensor_count(t), sizeof *copy, t->data, copy);
     *g = grid_of(t, copy);
-    return check_values(c, t, least, g->value, err);
+    return check_values(c, t, least, err);
 }
 
 /* Interleave the channels of the tensor (n_phi, n_theta, 3, height, width) as (n_phi, n_theta, height, width, 3), so that the
@@ -355,7 +341,7 @@ static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     nqm_status status = weights ? nqm_brdf_tensor_weights(c->path, c->wavelengths, c->illuminant, weights, err)
                                 : nqm_fail_nomem(err, 3 * n * sizeof *weights);
     if (status == NQM_OK)
-        status = check_values(c, c->values, -FLT_MAX, NULL, err);
+        status = check_values(c, c->values, -FLT_MAX, err);
     if (status == NQM_OK)
         convert_spectra(c->values, weights, rgb);
     nqm_free(weights);
@@ -367,7 +353,7 @@ static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
     if (c->wavelengths)
         return read_spectra(c, rgb, err);
     interleave(c->values, rgb);
-    return check_values(c, c->values, -FLT_MAX, rgb, err);
+    return check_values(c, c->values, -FLT_MAX, err);
 }
 
 /* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
- * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the lobe of Ward (1992, DOI
- * 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
- * 10.2312/EGWR/EGSR05/117-126): Ward in the normalisation of Duer, Blinn-Phong, one lobe of Lafortune, and
- * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
- * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI
- * 10.1145/2077341.2077350). doc/brdf.md has the formulas.
+ * Analytic BRDFs over a Lambertian base kd / pi; doc/brdf.md has the formulas and their sources.
  *
  * Values and derivatives come from the same functions: a lobe receives NULL instead of an array for its derivatives when
  * only the value is needed.
@@ -29,22 +23,18 @@ static void lambert_prepare(const nqm_values *values, void *state) {
         self->f[c] = values->v[0][c] / NQM_PI;
 }
 
-static void lambert_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    const lambert *self = state;
-    (void)wi;
-    (void)wo;
-    for (size_t i = 0; i < n; ++i)
-        for (int c = 0; c < 3; ++c)
-            rgb[3 * i + (size_t)c] = self->f[c];
+/* jacobian: NULL, or receives the derivatives. */
+INLINED void lambert_values(const lambert *self, size_t n, const double *wi, const double *wo, double *rgb,
+                            double *jacobian) {
+    (void)wi, (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i) {
+        rgb[i] = self->f[i % 3];
+        if (jacobian)
+            jacobian[3 * i + i % 3] = PER_KD;
+    }
 }
 
-static void lambert_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
-                             double *jacobian) {
-    lambert_eval(state, n, wi, wo, rgb);
-    for (size_t i = 0; i < n; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            jacobian[(3 * i + c) * 3 + c] = PER_KD;
-}
+NQM_EVAL_AND_JACOBIAN(lambert, lambert_values, state)
 
 const nqm_analytic_model nqm_lambert_model = {
     .schema = &nqm_lambert_schema,

@@ -32,33 +32,19 @@ typedef struct blender {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------- */
 
-/* The place of x, 0 to 1, between n nodes: *t beyond node i. */
-static size_t place(size_t n, double x, double *t) {
-    const double at = clamp01(x) * (double)(n - 1);
-    const size_t i = (size_t)fmin(at, (double)(n - 2));
-    *t = at - (double)i;
-    return i;
-}
-
-static double look_up(const double *table, size_t n, double x) {
-    double t;
-    const size_t i = place(n, x, &t);
-    return mix(table[i], table[i + 1], t);
-}
-
 static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, double eta) {
     const double ax = fmin(fmax(x, MIN_ALPHA), 1), ay = fmin(fmax(y, MIN_ALPHA), 1);
     const double roughness = sqrt(sqrt(ax * ay));
     double t, u;
-    size_t i = place(N_E, roughness, &t);
+    size_t i = node_below(N_E, roughness, &t);
     const uint16_t *e = principled_energy + i * N_E, *mean = principled_energy + N_E * N_E + i,
                    *s = principled_energy + (N_E + 1) * N_E;
     *lobe = (ggx_lobe){.widths = turned_widths_of(ax * ax, ay * ay, turn_rad), .eta = eta};
     lobe->e_mean = 1e-4 * mix(mean[0], mean[1], t);
     for (size_t j = 0; j < N_E; ++j)
         lobe->e[j] = 1e-4 * mix(e[j], e[N_E + j], t);
-    i = place(N_S, roughness, &t);
-    const size_t z = place(N_S, sqrt(fabs((eta - 1) / (eta + 1))), &u);
+    i = node_below(N_S, roughness, &t);
+    const size_t z = node_below(N_S, sqrt(fabs((eta - 1) / (eta + 1))), &u);
     for (size_t j = 0; j < N_S; ++j) {
         const uint16_t *a = s + (z * N_S + i) * N_S + j, *b = a + N_S * N_S;
         lobe->s[j] = 1e-4 * mix(mix(a[0], a[N_S], t), mix(b[0], b[N_S], t), u);
@@ -67,7 +53,7 @@ static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, do
 
 static void prepare_sheen(blender *self, double roughness) {
     double t;
-    const size_t i = place(N_E, fmax(roughness, 1e-3), &t);
+    const size_t i = node_below(N_E, fmax(roughness, 1e-3), &t);
     for (size_t k = 0; k < 3; ++k)
         for (size_t j = 0; j < N_E; ++j) {
             const uint16_t *at = sheen_ltc + (k * N_E + i) * N_E + j;

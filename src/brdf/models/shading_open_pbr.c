@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * OpenPBR Surface 1.1.1 as MaterialX 1.39 defines it (open_pbr_surface.mtlx, the node graph), opaque reflection only:
- * fuzz over coat over a mixture of metal and of a dielectric with a diffuse base. The keys are the inputs of the node.
- * Colours above 1 are those that a conversion to BT.709 can give.
+ * fuzz over coat over a mixture of metal and of a dielectric with a diffuse base.
  */
 #include "brdf/models/closures.h"
 
