@@ -5,7 +5,6 @@
 #include "argument/argument.h"
 
 #include "brdf/core/spec.h"
-#include "schema/presets.h"
 #include <errno.h>
 
 static nqm_status fail_absent(const char *path, nqm_error *err) {

@@ -137,9 +137,9 @@ NQM_MUST_CHECK nqm_status nqm_map_open_own(const char *path, nqm_map *map_ret, n
 NQM_MUST_CHECK nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err);
 /** Turn read-ahead on again. `everything`: also prefetch the whole map, because most of it is read next. */
 void nqm_map_expect(const nqm_map *map, bool everything);
-/** Copy n pieces of n_each bytes out of a map. If the file is still open, pieces are read from it, because a page fault
- *  costs more than reading a piece. Pieces that are not in the page cache are fetched concurrently, adjacent ones
- *  together. Bytes beyond the end of the file, even if it was truncated meanwhile, read as 0xff. Reorders `pieces`. */
+/** Read n pieces of n_each bytes from the file of a map that has_fd: a page fault costs more than reading a piece. Pieces that are not
+ *  in the page cache are fetched concurrently, adjacent ones together. Bytes beyond the end of the file, even if it was truncated
+ *  meanwhile, are 0xff. Reorders `pieces`. */
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each);
 /** Close the file of a map that nqm_map_gather() no longer reads, if it is open; the map remains valid. */
 void nqm_map_close_file(nqm_map *map);

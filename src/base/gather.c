@@ -41,13 +41,6 @@ static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
 }
 
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each) {
-    for (size_t i = 0; !map->has_fd && i < n; ++i)
-        if (pieces[i].offset <= map->n_bytes && n_each <= map->n_bytes - pieces[i].offset)
-            memcpy(pieces[i].out, map->data + pieces[i].offset, n_each);
-        else
-            memset(pieces[i].out, 0xff, n_each);
-    if (!map->has_fd)
-        return;
     (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no read-ahead beyond the requested pieces */
     size_t n_read = read_present(map->fd, n, pieces, n_each);
     pieces += n_read, n -= n_read;

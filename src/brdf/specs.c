@@ -3,7 +3,6 @@
  * The list of all models and wrappers, and BRDFs from specs "MODEL:key=value;..." and "TABLE:PRESET".
  */
 #include "brdf/core/spec.h"
-#include "schema/presets.h"
 
 #define POINTER_TO(NAME)         &(NAME),
 #define SHADING_MODEL(NAME, ...) &nqm_##NAME##_model,

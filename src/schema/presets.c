@@ -2,7 +2,7 @@
  *
  * Published parameters of measured materials by name, from the text of the tables of presets/.
  */
-#include "schema/presets.h"
+#include "schema/schema.h"
 
 const char *nqm_preset_named(const char *material) {
     const char *found = NULL;

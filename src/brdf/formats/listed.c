@@ -389,7 +389,7 @@ size_t nqm_listed_most(size_t n_bytes) {
 
 nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret,
                              nqm_error *err) {
-    const char *tolerance_text = argument->member, *name = argument->name;
+    const char *tolerance_text = argument->member;
     double tolerance;
     size_t n_missing = 0;
     nqm_grid *grid = NULL;
@@ -417,9 +417,9 @@ nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argumen
             "%zu bytes",
             l->path, l->n, nqm_listed_most(n_bytes), n_bytes);
     if (!grid)
-        return nqm_scattered_create(l, tolerance, name, brdf_ret, err);
+        return nqm_scattered_create(l, tolerance, argument->name, brdf_ret, err);
     if (!tolerance_text)
-        return wrap_grid(l, grid, n_missing, name, brdf_ret, err);
+        return wrap_grid(l, grid, n_missing, argument->name, brdf_ret, err);
     nqm_free(grid);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
                     l->path, tolerance_text);
