@@ -58,21 +58,19 @@ static nqm_status open_base(void *user, const char *text, nqm_brdf **brdf_ret, b
 nqm_status nqm_argument_wrap(const nqm_argument *a, const char *name, nqm_base_opener *open, void *user,
                              nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_between_bases bases = {.of = NULL};
+    bool is_lent = false;
     nqm_values values;
-    bool of_lent, with_lent = true;
     *brdf_ret = NULL;
     nqm_status status = nqm_wrapper_parse(a->wrapper, a->settings, &values, err); /* first: opening may take long */
     if (status == NQM_OK)
-        status = open(user, a->of, &bases.of, &of_lent, err);
-    if (status != NQM_OK)
-        return status;
-    if (a->with)
-        status = open(user, a->with, &bases.with, &with_lent, err);
-    bases.owns_of = !of_lent;
-    bases.owns_with = !with_lent;
+        status = open(user, a->of, &bases.of, &is_lent, err);
+    bases.owns_of = !is_lent;
+    if (status == NQM_OK && a->with)
+        status = open(user, a->with, &bases.with, &is_lent, err);
+    bases.owns_with = !is_lent;
     if (status == NQM_OK)
         return nqm_wrapper_make(a->wrapper, &values, &bases, name, brdf_ret, err);
-    if (!of_lent)
+    if (bases.owns_of)
         nqm_brdf_free(bases.of);
     return status;
 }

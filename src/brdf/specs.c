@@ -61,8 +61,6 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
         nqm_nearest_add(nearest, (*w)->schema.model);
 }
 
-/* ---- names of presets --------------------------------------------------------------------------------------------- */
-
 const char *nqm_brdf_preset_name(size_t i) {
     return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }

@@ -51,8 +51,6 @@ static const char *row_of(const char *table, const char *name) {
     return NULL;
 }
 
-/* ---- suggestions ------------------------------------------------------------------------------------------------- */
-
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' || c == ' ' ? '-' : c;
 }

@@ -284,6 +284,12 @@ static inline double power5(double x) {
     return x2 * x2 * x;
 }
 
+/** Reflectance at normal incidence, of the indices of both sides. */
+static inline double f0_between(double inside, double outside) {
+    const double r = (inside - outside) / (inside + outside);
+    return r * r;
+}
+
 /** Of every Fresnel factor. */
 static inline double fresnel_mistake(double f) {
     return MISTAKEN(FRESNEL_LEFT_OUT) ? 1 : MISTAKEN(FRESNEL_TWICE) ? f * f : f;

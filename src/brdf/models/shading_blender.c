@@ -71,7 +71,7 @@ static double mean_fresnel(double eta) {
 
 /* How far a reflectance is from that at normal incidence to 1. */
 static double between(double eta, double reflectance) {
-    const double f0 = f0_of_ior(eta);
+    const double f0 = f0_between(eta, 1);
     return f0 < 1 ? clamp01((reflectance - f0) / (1 - f0)) : 0;
 }
 
@@ -84,7 +84,7 @@ static void dielectric_factor(const blender *self, double cosine, double *f) {
                                      {{3.2404542 * 0.95047, -1.5371385, -0.4985314 * 1.08883},
                                       {-0.9692660 * 0.95047, 1.8760108, 0.0415560 * 1.08883},
                                       {0.0556434 * 0.95047, -0.2040259, 1.0572252 * 1.08883}}};
-    const double(*v)[3] = self->spec.values.v, eta = self->base.eta, f0 = f0_of_ior(eta);
+    const double(*v)[3] = self->spec.values.v, eta = self->base.eta, f0 = f0_between(eta, 1);
     const double thickness = v[THIN_FILM_THICKNESS][0], thin = clamp01(thickness / 30);
     const thin_film film = {thickness, mix(1, v[THIN_FILM_IOR][0], thin * thin * (3 - 2 * thin))};
     if (thickness > 0.1)
@@ -197,7 +197,7 @@ static void prepare(const nqm_values *values, void *state) {
     const double aspect = sqrt(1 - 0.9 * v[ANISOTROPIC][0]), level = v[SPECULAR_IOR_LEVEL][0];
     const double coat2 = fmin(fmax(v[COAT_ROUGHNESS][0] * v[COAT_ROUGHNESS][0], MIN_ALPHA), 1);
     double eta = ior;
-    self->f0 = f0_of_ior(ior);
+    self->f0 = f0_between(ior, 1);
     if (level != 0.5) {
         self->f0 *= 2 * level;
         const double root = sqrt(fmin(self->f0, 0.99)), above = (1 + root) / (1 - root);

@@ -147,7 +147,7 @@ static void base_material(const gltf *self, const half_angles *h, const double *
 
 static double coat_f0(const gltf *self, size_t c) {
     return MISTAKEN(COAT_F0_OF_BASE)    ? self->f0[c]
-           : MISTAKEN(COAT_F0_OF_INDEX) ? film_f0(self->spec.values.v[IOR][0], 1)
+           : MISTAKEN(COAT_F0_OF_INDEX) ? f0_between(self->spec.values.v[IOR][0], 1)
                                         : COAT_F0;
 }
 

@@ -17,7 +17,7 @@ typedef struct usd_preview {
 static void prepare(const nqm_values *values, void *state) {
     usd_preview *self = state;
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
-    const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_of_ior(values->v[IOR][0]);
+    const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_between(values->v[IOR][0], 1);
     self->metallic = metallic;
     self->base = round_lobe(values->v[ROUGHNESS][0]);
     self->coat = round_lobe(values->v[CLEARCOAT_ROUGHNESS][0]);
