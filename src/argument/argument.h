@@ -134,7 +134,6 @@ typedef struct nqm_subject {
     const nqm_values *values;
     double tilt_deg, azimuth_deg; /**< of the normal, as in "tilt:"; 0: it is (0, 0, 1) */
 } nqm_subject;
-nqm_subject nqm_subject_named(const char *name);
 /** Set the normal, a unit vector: tilted by at most 60 degrees, and not below a thousandth. */
 void nqm_subject_tilt(nqm_subject *subject, const double normal[3]);
 /** Whether they have the same name, or the same values, and the same normal. */

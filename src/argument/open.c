@@ -47,8 +47,6 @@ static nqm_status fail_missing(const char *text, nqm_error *err) {
                : nqm_fail(err, NQM_ERR_IO, -1, "%.200s: No such file or directory, and no model '%s'", text, model);
 }
 
-/* ---- BRDFs that wrappers name ------------------------------------------------------------------------------------ */
-
 static nqm_status open_base(void *user, const char *text, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
     (void)user;
     *is_lent_ret = false;
@@ -74,8 +72,6 @@ nqm_status nqm_argument_wrap(const nqm_argument *a, const char *name, nqm_base_o
         nqm_brdf_free(bases.of);
     return status;
 }
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* A file that is no material, or that of a folder. */
 static nqm_status open_file(nqm_argument *a, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {

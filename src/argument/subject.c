@@ -6,10 +6,6 @@
 
 #include <math.h>
 
-nqm_subject nqm_subject_named(const char *name) {
-    return (nqm_subject){.name = name};
-}
-
 void nqm_subject_tilt(nqm_subject *subject, const double normal[3]) {
     const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
     const bool is_tilted = !(degrees < 1e-3);

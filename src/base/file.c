@@ -16,8 +16,6 @@ void nqm_map_close_file(nqm_map *map) {
     map->has_fd = false;
 }
 
-/* ---- folders ----------------------------------------------------------------------------------------------------- */
-
 static char *only_within; /* of which files are read, without links; NULL: of any */
 
 nqm_status nqm_files_within(const char *folder, nqm_error *err) {
@@ -39,8 +37,6 @@ static nqm_status check_folder(const char *path, nqm_error *err) {
                ? NQM_OK
                : nqm_fail(err, NQM_ERR_IO, -1, "%s: is not read: no file inside of %s", path, only_within);
 }
-
-/* ---- maps -------------------------------------------------------------------------------------------------------- */
 
 /* keep: leave the descriptor open, owned by the map. is_input: the run must not replace the file. */
 static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *map_ret, nqm_error *err) {

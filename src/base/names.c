@@ -35,8 +35,6 @@ void nqm_names_free(nqm_names *names) {
     *names = (nqm_names){0};
 }
 
-/* ---- the nearest name -------------------------------------------------------------------------------------------- */
-
 enum { MAX_LENGTH = 40 };
 
 static char fold(char c) {

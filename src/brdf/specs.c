@@ -13,8 +13,6 @@ static const nqm_spec_wrapper *const wrappers[] = {&nqm_perturb_wrapper, &nqm_be
                                                    &nqm_tilt_wrapper, NULL};
 enum { MAX_NESTED = 3 };
 
-/* ---- names ------------------------------------------------------------------------------------------------------- */
-
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
     const nqm_analytic_model *const *m = models;
     while (*m && !(strncmp((*m)->schema->model, name, n) == 0 && (*m)->schema->model[n] == 0))
@@ -64,8 +62,6 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
 const char *nqm_brdf_preset_name(size_t i) {
     return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* "kd (RGB), ks (RGB), alpha (x, y)" */
 static size_t describe(const nqm_schema *schema, char *layout, size_t n_layout) {

@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-/* ---- derivatives ------------------------------------------------------------------------------------------------- */
-
 enum { MAX_PAIRS = 64 };
 
 /* The derivative by a value of a key: the sum of f_r at two changed values times weights, and times `own` at the value itself. */
@@ -60,8 +58,6 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
                 add_to_column(n, s.own, rgb, n_columns, jacobian);
         }
 }
-
-/* ---- BRDFs made of others ---------------------------------------------------------------------------------------- */
 
 static void free_owned(const nqm_between_bases *bases) {
     if (bases->owns_of)

@@ -140,8 +140,6 @@ nqm_status nqm_brdf_create_table(size_t n_theta_h, size_t n_theta_d, size_t n_ph
     return status;
 }
 
-/* ---- tables of other BRDFs ---------------------------------------------------------------------------------------- */
-
 typedef struct tabulation {
     const nqm_brdf *brdf;
     nqm_table_size size;

@@ -25,8 +25,6 @@ typedef struct nps {
     float bias[N_LAYERS][N_HIDDEN];
 } nps;
 
-/* ---- evaluation -------------------------------------------------------------------------------------------------- */
-
 /* Pairs per batch: whole strips of the kernels, and all light directions of a point of a scene; buffers are on the stack. */
 enum { TILE = 11 * NQM_STRIP };
 
@@ -87,8 +85,6 @@ static void nps_free(void *self) {
 
 static const nqm_brdf_class nps_class = {
     .format = "nps", .reciprocal = 1, .is_costly = true, .eval_half_diff = nps_eval_half_diff, .free = nps_free};
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static bool probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;

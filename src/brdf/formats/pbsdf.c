@@ -21,8 +21,6 @@ static void pbsdf_free(void *self) {
 
 static const nqm_brdf_class pbsdf_class = {.format = "pbsdf", .eval_half_diff = nqm_grid_eval, .free = pbsdf_free};
 
-/* ---- tensors ------------------------------------------------------------------------------------------------------ */
-
 nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
                     (long long)t->byte_offset, fault);
@@ -44,8 +42,6 @@ nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengt
     return visible ? NQM_OK
                    : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
 }
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 enum { N_AXES = 3, MATRIX = 16 }; /* axes of M: theta_h, theta_d, phi_d; elements of a matrix */
 

@@ -24,8 +24,6 @@ static nqm_tensor network_tensor(size_t i, const float *weights) {
     return nqm_tensor_of(network[i].name, NQM_F32, network[i].rows, network[i].cols, weights);
 }
 
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
-
 static void list_network(const nqm_brdf *brdf, nqm_tensor tensors[N_NETWORK]) {
     const float *next = nqm_nbrdf_weights(brdf);
     for (size_t i = 0; i < N_NETWORK; ++i) {
@@ -67,8 +65,6 @@ nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err)
                         info.format);
     return nqm_safetensors_write(path, is_network ? N_NETWORK : 1, tensors, 2, meta, NULL, err);
 }
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status refuse(const char *name, const nqm_tensor *tensor, size_t at, const char *what, nqm_error *err) {
     long long byte = tensor->byte_offset + (long long)at;
