@@ -30,7 +30,7 @@ typedef struct rgl {
     double *
         conditional; /* (phi.width, theta.width, vndf.height, vndf.width): integral of a row up to a column, in cells */
     double *marginal; /* (phi.width, theta.width, vndf.height): integral of the rows up to a row, in cells */
-    grid rgb;         /* (phi.width, theta.width, height, width, 3) */
+    grid rgb;         /* (phi.width, theta.width, 3, height, width) */
     bool jacobian;    /* values are divided by D / (4 sigma) */
     size_t n_images;  /* symmetric images of a pair of directions, one of which has its phi_i in the range of phi */
 } rgl;
@@ -60,10 +60,15 @@ static double mix(double a, double b, double t) {
     return (1 - t) * a + t * b;
 }
 
+/* The value in a slice of a grid. */
+static double look_up_at(const grid *g, const float *slice, const spot *s) {
+    const float *p = slice + s->corner, *q = p + g->width;
+    return mix(mix((double)p[0], (double)p[1], s->x), mix((double)q[0], (double)q[1], s->x), s->y);
+}
+
 static double look_up(const grid *g, double u, double v) {
-    spot s = locate(g, u, v);
-    const float *p = g->value + s.corner, *q = p + g->width;
-    return mix(mix((double)p[0], (double)p[1], s.x), mix((double)q[0], (double)q[1], s.x), s.y);
+    const spot s = locate(g, u, v);
+    return look_up_at(g, g->value, &s);
 }
 
 /** Terms of the inverse of the warp at a spot. All are linear in the density, so that interpolating them interpolates
@@ -124,13 +129,6 @@ static void invert_warp(const rgl *m, place *p) {
     if (row > 0) /* else no half vector of this row is visible: leave u */
         p->u = (a.before + s.x * (a.left + 0.5 * s.x * (a.right - a.left))) / row;
     p->v = a.below + s.y * (a.row0 + 0.5 * s.y * (a.row1 - a.row0));
-}
-
-static void mix_rgb(const float *p, size_t width, const spot *s, double weight, double *rgb) {
-    const float *q = p + 3 * width;
-    for (size_t c = 0; c < 3; ++c)
-        rgb[c] +=
-            weight * mix(mix((double)p[c], (double)p[3 + c], s->x), mix((double)q[c], (double)q[3 + c], s->x), s->y);
 }
 
 static double theta_to_unit(double theta) {
@@ -208,12 +206,14 @@ static void eval_pair(const rgl *m, const double *omega_i, const double *omega_o
     invert_warp(m, &p);
     const spot s = locate(&m->rgb, p.u, p.v);
     const size_t n_slice = m->rgb.width * m->rgb.height, n_phi = m->phi.width > 1 ? 2 : 1;
-    const float *lower = m->rgb.value + 3 * (p.slice * n_slice + s.corner);
+    const float *lower = m->rgb.value + 3 * p.slice * n_slice;
     rgb[0] = rgb[1] = rgb[2] = 0;
     for (size_t j = 0; j < n_phi; ++j, lower += 3 * m->theta.width * n_slice) {
         const double weight = scale * (j ? p.phi : 1 - p.phi);
-        mix_rgb(lower, m->rgb.width, &s, (1 - p.theta) * weight, rgb);
-        mix_rgb(lower + 3 * n_slice, m->rgb.width, &s, p.theta * weight, rgb);
+        for (size_t c = 0; c < 3; ++c) {
+            rgb[c] += (1 - p.theta) * weight * look_up_at(&m->rgb, lower + c * n_slice, &s);
+            rgb[c] += p.theta * weight * look_up_at(&m->rgb, lower + (3 + c) * n_slice, &s);
+        }
     }
 }
 
@@ -306,32 +306,18 @@ static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float leas
     return check_values(c, t, least, err);
 }
 
-/* Interleave the channels of the tensor (n_phi, n_theta, 3, height, width) as (n_phi, n_theta, height, width, 3), so that the
- * four neighbours of a point are in two short runs of memory. */
-static void interleave(const nqm_tensor *t, float *rgb) {
-    const size_t n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k) {
-        const unsigned char *red = (const unsigned char *)t->data + 3 * k * n_plane, *green = red + n_plane;
-        for (size_t i = 0; i < n_plane; i += sizeof(float), rgb += 3) {
-            rgb[0] = nqm_load_f32(red + i);
-            rgb[1] = nqm_load_f32(green + i);
-            rgb[2] = nqm_load_f32(green + n_plane + i);
-        }
-    }
-}
-
-/* As interleave(), for spectra. weights: (n, 3), n = dims[2]. */
+/* RGB of spectra. weights: (n, 3), n = dims[2]; rgb: (n_phi, n_theta, 3, height, width). */
 static void convert_spectra(const nqm_tensor *t, const double *weights, float *rgb) {
     const size_t n = t->dims[2], n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k)
-        for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
+    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k, rgb += 3 * n_slice)
+        for (size_t i = 0; i < n_slice; ++i) {
             const unsigned char *value = (const unsigned char *)t->data + k * n * n_plane + i * sizeof(float);
             double sum[3] = {0};
             for (size_t w = 0; w < n; ++w, value += n_plane)
                 for (size_t c = 0; c < 3; ++c)
                     sum[c] += weights[3 * w + c] * (double)nqm_load_f32(value);
             for (size_t c = 0; c < 3; ++c)
-                rgb[c] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
+                rgb[c * n_slice + i] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
         }
 }
 
@@ -346,14 +332,6 @@ static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
         convert_spectra(c->values, weights, rgb);
     nqm_free(weights);
     return status;
-}
-
-/* rgb: (n_phi, n_theta, height, width, 3). */
-static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
-    if (c->wavelengths)
-        return read_spectra(c, rgb, err);
-    interleave(c->values, rgb);
-    return check_values(c, c->values, -FLT_MAX, err);
 }
 
 /* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the
@@ -422,8 +400,8 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     if (status == NQM_OK)
         status = copy_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
     if (status == NQM_OK) {
+        status = c.wavelengths ? read_spectra(&c, rgb, err) : copy_floats(&c, c.values, -FLT_MAX, rgb, &m->rgb, err);
         m->rgb = grid_of(c.values, rgb);
-        status = read_values(&c, rgb, err);
     }
     if (status == NQM_OK)
         status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
