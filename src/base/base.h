@@ -141,8 +141,6 @@ void nqm_map_expect(const nqm_map *map, bool everything);
  *  in the page cache are fetched concurrently, adjacent ones together. Bytes beyond the end of the file, even if it was truncated
  *  meanwhile, are 0xff. Reorders `pieces`. */
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each);
-/** Close the file of a map that nqm_map_gather() no longer reads, if it is open; the map remains valid. */
-void nqm_map_close_file(nqm_map *map);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 

@@ -67,8 +67,6 @@ TEST(gathers_from_disk_and_memory) {
     check_gathered(&map);
     nqm_map_expect(&map, true);
     check_gathered(&map);
-    nqm_map_close_file(&map);
-    assert_false(map.has_fd);
     assert_int_equal(map.data[N_BYTES - 1], byte_at(N_BYTES - 1));
     nqm_map_close(&map);
     assert_null(map.data);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF in another frame: turned about its normal (rotate), or with a normal that leans (tilt). A tilted BRDF is what
+ * A BRDF in another frame: turned about its normal (rotate), or with a tilted normal (tilt). A tilted BRDF is what
  * renderers make of a normal map: the surface still has the cosine of its own normal, so that light and viewer may not
  * be exchanged.
  */

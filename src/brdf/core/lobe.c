@@ -19,7 +19,7 @@ static double value_at(const nqm_brdf *brdf, double x, double y) {
     return nqm_luminance(rgb) * h[2] * h[2] * h[2] * h[2];
 }
 
-/* The normal of its frame, if that leans: the lobe there may be narrower than any grid. Else climb to the peak from the
+/* The normal of its frame, if that is tilted: the lobe there may be narrower than any grid. Else climb to the peak from the
  * brightest of a grid of slopes; the normal, unless the peak is brighter. Returns the value. */
 static double find_peak(const nqm_brdf *brdf, double center[2]) {
     enum { GRID = 16 };

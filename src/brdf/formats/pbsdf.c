@@ -158,7 +158,6 @@ nqm_status nqm_pbsdf_open(nqm_map *map, const nqm_tensor_file *file, nqm_illumin
                                 .layout = layout,
                                 .n_values = nqm_tensor_count(c.m) / MATRIX};
     nqm_map_expect(map, false);
-    nqm_map_close_file(map);
     p->map = *map;
     *map = (nqm_map){0};
     return nqm_brdf_wrap(&pbsdf_class, p, &info, brdf_ret, err);
