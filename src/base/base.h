@@ -241,7 +241,7 @@ double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_en
 /** Load a shared library with the functions of these names (n), and store their addresses in `functions`, a struct of n function
  *  pointers. It is never unloaded. false: it is not installed, or lacks a function. Linking a library would slow the start of every
  *  program, including those that never use it (doc/performance.md, "Loading and start"). */
-bool nqm_library_load(const char *soname, size_t n, const char *const *names, void *functions);
+bool nqm_dynamic_load(const char *soname, size_t n, const char *const *names, void *functions);
 
 /** A file that is embedded at build time (cmake/models.cmake). */
 typedef struct nqm_embedded_file {

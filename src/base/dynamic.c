@@ -6,7 +6,7 @@
 
 #include <dlfcn.h>
 
-bool nqm_library_load(const char *soname, size_t n, const char *const *names, void *functions) {
+bool nqm_dynamic_load(const char *soname, size_t n, const char *const *names, void *functions) {
     void *handle = dlopen(soname, RTLD_NOW | RTLD_LOCAL);
     bool found = handle != NULL;
     for (size_t i = 0; i < n && found; ++i) {

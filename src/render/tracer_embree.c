@@ -36,7 +36,7 @@ static bool is_loaded;
 
 static void load(void) {
     static const char *const names[] = {EMBREE_FUNCTIONS(NAME)};
-    is_loaded = nqm_library_load(NQM_EMBREE_SONAME, sizeof names / sizeof *names, names, &embree);
+    is_loaded = nqm_dynamic_load(NQM_EMBREE_SONAME, sizeof names / sizeof *names, names, &embree);
 }
 
 struct nqm_tracer {

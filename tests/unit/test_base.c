@@ -56,10 +56,10 @@ TEST(test_libraries_when_needed) {
     struct {
         double (*cosine)(double), (*root)(double);
     } m;
-    assert_true(nqm_library_load("libm.so.6", 2, names, &m));
+    assert_true(nqm_dynamic_load("libm.so.6", 2, names, &m));
     assert_true(m.cosine(0) == 1 && m.root(9) == 3);
-    assert_false(nqm_library_load("libm.so.6", 2, missing, &m));
-    assert_false(nqm_library_load("libnqm-no-such-library.so.1", 2, names, &m));
+    assert_false(nqm_dynamic_load("libm.so.6", 2, missing, &m));
+    assert_false(nqm_dynamic_load("libnqm-no-such-library.so.1", 2, names, &m));
 }
 
 static char folder[] = "/tmp/nqm-test-base-XXXXXX";
