@@ -25,7 +25,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 KEYS = ("bench", "name", "subject", "model", "by", "kernels", "precision", "batch", "layer", "m", "n", "k", "pairs", "epochs", "seed", "threads")
 TEXTS = {"bench", "name", "subject", "model", "by", "kernels", "unit", "precision"}
-MACHINE = {"cpu": str, "cpu_id": dict, "compiler": str, "cores": int, "threads": int, "cache_kib": list, "load_average": float, "build": str}
+MACHINE = {"cpu": str, "cpu_id": dict, "compiler": str, "cores": int, "threads": int, "load_average": float, "build": str}
 BUSY = 0.9  # a lower processor utilisation means that other programs ran
 
 
@@ -291,7 +291,7 @@ def rows_of_products(document):
 
 
 def levels_of(machine):
-    """Names of caches and of memory, with the size of the array that nqm-bench reads from each, 1e6 bytes."""
+    """Names of caches, of runs until November 2026, and of memory, with the size of the array that is read from each, 1e6 bytes."""
     sizes = [kib * 1024e-6 / 2 for kib in machine.get("cache_kib", [])]
     return [(f"L{i + 1}", size if i == 2 else size * machine["threads"]) for i, size in enumerate(sizes)] + [("memory", 256)]
 
@@ -301,8 +301,8 @@ def print_machine(document):
     print(f"\n## {document.get('title') or machine['cpu'] + ', ' + document['kind']}\n")
     if measured:
         ids = ", ".join(f"{k} {v}" for k, v in machine["cpu_id"].items())
-        caches = ", ".join(f"L{i + 1} {size} KiB" for i, size in enumerate(machine["cache_kib"]))
-        print(f"{machine['cpu']} ({ids}), {machine['threads']} threads; {caches}; gcc {machine['compiler']}; {machine['build'].split(' when')[0]}. "
+        caches = ", ".join(f"L{i + 1} {size} KiB" for i, size in enumerate(machine.get("cache_kib", [])))
+        print(f"{machine['cpu']} ({ids}), {machine['threads']} threads; {caches + '; ' if caches else ''}gcc {machine['compiler']}; {machine['build'].split(' when')[0]}. "
               f"Measured {document['date']} at commit {document['commit']}; largest load average {digits(machine['load_average'], 2)}; median processor "
               f"utilisation {document['utilisation']}.")
         if "note" in document:
@@ -340,7 +340,7 @@ How fast is nqm on other machines, and how near to their limits? One section per
 "Of its own peak" is floor / time: 1 is the limit of the machine, by the quickest unit that can compute the product and by the bandwidth of the
 memory that has to be read, both measured in the same run. "By processor time" is the same for the processor time of all threads, which
 excludes other programs. The peer is the quicker of PyTorch 1.13 and ONNX Runtime 1.23 (oneDNN for single
-products; for samples to JOD the network alone, and with the gradient the score: there the quotient is the time of the whole way / the part). A quotient above 1 means that nqm is quicker.
+products, with which nqm-bench compared until 23 November 2026; for samples to JOD the network alone, and with the gradient the score: there the quotient is the time of the whole way / the part). A quotient above 1 means that nqm is quicker.
 
 <!-- test: skip because they take an hour; tests/cli/bench_results.sh runs the script on small sizes -->
 

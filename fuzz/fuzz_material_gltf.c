@@ -38,8 +38,8 @@ static void read_bytes(const uint8_t *data, size_t n_bytes) {
         nqm_error fault; /* of a value beyond its range */
         must(info.name && info.surface && !info.spec == (info.refusal != NULL));
         must(info.byte_offset >= 0 && (size_t)info.byte_offset < n_bytes);
-        if (nqm_materials_textured(materials, i))
-            check_maps(nqm_materials_textured(materials, i), &map);
+        if (nqm_materials_maps(materials, i, 0))
+            check_maps(nqm_materials_maps(materials, i, 0), &map);
         must(!info.spec ||
              (nqm_values_parse_spec(info.spec, &values, &fault) == NQM_OK || strstr(fault.message, " needs ")));
     }

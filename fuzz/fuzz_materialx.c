@@ -43,8 +43,8 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
         nqm_values values;
         nqm_error fault; /* of a value beyond its range */
         must(info.name && info.surface && !info.spec == (info.refusal != NULL));
-        if (nqm_materials_textured(materials, i))
-            check_maps(nqm_materials_textured(materials, i));
+        if (nqm_materials_maps(materials, i, 0))
+            check_maps(nqm_materials_maps(materials, i, 0));
         must(info.byte_offset >= 0 && (size_t)info.byte_offset < n_bytes);
         must(!info.spec ||
              (nqm_values_parse_spec(info.spec, &values, &fault) == NQM_OK || strstr(fault.message, " needs ")));

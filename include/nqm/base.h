@@ -17,7 +17,7 @@
  *    nqm_brdf_get_info, nqm_brdf_eval, nqm_brdf_eval_half_diff, nqm_brdf_albedo, nqm_half_diff_to_directions,
  *    nqm_directions_to_half_diff, nqm_directions_get_info, nqm_directions_id, nqm_dataset_get_info, nqm_dataset_get_pair,
  *    nqm_materials_get, nqm_model_get_info, nqm_texture_get_info, nqm_scene_get_info, nqm_scene_compare,
- *    nqm_curve_jod, nqm_label_get_info, nqm_pairs_remarks, nqm_verdict and nqm_conform_kit_get_info.
+ *    nqm_curve_jod, nqm_label_get_info, nqm_pairs_remarks and nqm_conform_kit_get_info.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
  *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other

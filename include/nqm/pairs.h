@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/pairs.h - lists of pairs of BRDFs, files of several materials as pairs, and what is said of a score in words.
+ * nqm/pairs.h - lists of pairs of BRDFs, files of several materials as pairs, and what is said of a score.
  * NQM_EXPERIMENTAL: it may change in any release.
  */
 #ifndef NQM_PAIRS_H
 #define NQM_PAIRS_H
 
 #include <nqm/metric.h>
+#include <nqm/texture.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,7 +53,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_pairs_expand(const nqm_pairs *pairs, const
 /** Free; NULL is allowed. */
 NQM_API void nqm_pairs_free(nqm_pairs *pairs);
 
-enum { NQM_REMARKS_TEXT = 9000, NQM_VERDICT_TEXT = 64 };
+enum { NQM_REMARKS_TEXT = 9000 };
 
 /**
  * What may make a score wrong, in sentences: negative and missing values, BRDFs unlike those of the training, rows of a list that are
@@ -69,9 +70,46 @@ enum { NQM_REMARKS_TEXT = 9000, NQM_VERDICT_TEXT = 64 };
 NQM_API const char *nqm_pairs_remarks(const nqm_model *model, nqm_invalid_policy invalid, const nqm_named_pair *pair,
                                       const char *ref, const char *test, const nqm_score_result *result, char *text);
 
-/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different",
- *  "identical"; "" without a score. text: (NQM_VERDICT_TEXT). Returns text or a static string. Any thread. */
-NQM_API const char *nqm_verdict(const nqm_score_result *result, char *text);
+/** What a column is about. */
+typedef enum nqm_column_group {
+    NQM_COLUMN_SCORE = 0,
+    NQM_COLUMN_PARTS, /**< of the pictures, as of a label; the text is "" and numbers are NaN where the model has none */
+    NQM_COLUMN_LABEL,      /**< of labels only */
+    NQM_COLUMN_SIMILARITY, /**< of scores only */
+    NQM_COLUMN_METRIC,
+    NQM_COLUMN_TEXTURE,
+} nqm_column_group;
+
+typedef enum nqm_column_kind {
+    NQM_COLUMN_REAL = 0,
+    NQM_COLUMN_WHOLE, /**< a whole number */
+    NQM_COLUMN_FLAG,  /**< 0 or 1 */
+    NQM_COLUMN_TEXT,
+} nqm_column_kind;
+
+/** A number or a text of a score, as every output names it. Strings have static storage. */
+typedef struct nqm_column {
+    const char *name;   /**< the heading of CSV, the key in Python; NULL: there is no such column */
+    const char *member; /**< the member in JSON, "shift_itp.0": the first of a list */
+    const char *object; /**< the object that has the member: "parts", "metrics", "texture"; "": the result itself */
+    const char *about;  /**< one line */
+    nqm_column_group group;
+    nqm_column_kind kind;
+    nqm_metric metric;         /**< of NQM_COLUMN_METRIC */
+    int digits;                /**< after the point, for people; below 0: significant ones */
+    double number;             /**< NaN: none */
+    char text[NQM_LABEL_TEXT]; /**< of a text */
+} nqm_column;
+
+/**
+ * The table of what a score consists of, in the order of the columns of CSV: the score and its verdict ("visible", "between visible and
+ * very different", "identical"), parts, metrics, textures. doc/reference-cli.md lists it. Any thread.
+ *
+ * @param i        from 0; the first without a name ends the table
+ * @param score    the result whose values are wanted; of a label one with these parts; NULL: none, only facts about the columns
+ * @param texture  the same for those of textures
+ */
+NQM_API nqm_column nqm_score_column(size_t i, const nqm_score_result *score, const nqm_texture_result *texture);
 
 #ifdef __cplusplus
 }

@@ -791,7 +791,41 @@ class Pairs(Structure):
 
 
 REMARKS_TEXT = 9000
-VERDICT_TEXT = 64
+
+
+class ColumnGroup(enum.IntEnum):
+    """`nqm_column_group`"""
+
+    SCORE = 0
+    PARTS = 1
+    LABEL = 2
+    SIMILARITY = 3
+    METRIC = 4
+    TEXTURE = 5
+
+
+class ColumnKind(enum.IntEnum):
+    """`nqm_column_kind`"""
+
+    REAL = 0
+    WHOLE = 1
+    FLAG = 2
+    TEXT = 3
+
+
+class Column(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("member", c_char_p),
+        ("object", c_char_p),
+        ("about", c_char_p),
+        ("group", c_int),
+        ("kind", c_int),
+        ("metric", c_int),
+        ("digits", c_int),
+        ("number", c_double),
+        ("text", c_char * 160),
+    ]
 
 
 class Schedule(enum.IntEnum):
@@ -1046,7 +1080,7 @@ FUNCTIONS = {
     "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
     "nqm_pairs_free": (None, [POINTER(Pairs)]),
     "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
-    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
+    "nqm_score_column": (Column, [c_size_t, POINTER(ScoreResult), POINTER(TextureResult)]),
     "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import itertools
 import math
 import os
 import sys
 from ctypes import byref, c_void_p
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
@@ -133,6 +134,20 @@ def parts_of(label: _abi.Label) -> Parts:
     return Parts((label.shift[0], label.shift[1], label.shift[2]), label.contrast, label.structure, words)
 
 
+def columns_of(score: ScoreResult) -> Dict[str, Any]:
+    """What the table of the library has of a score, by the names of its columns."""
+    columns: Dict[str, Any] = {}
+    for i in itertools.count():
+        c = lib.nqm_score_column(i, byref(score), None)
+        if not c.name:
+            return columns
+        if c.group in (_abi.ColumnGroup.LABEL, _abi.ColumnGroup.TEXTURE):
+            continue
+        whole = {_abi.ColumnKind.FLAG: bool, _abi.ColumnKind.WHOLE: int}.get(c.kind, float)
+        value = c.number if math.isnan(c.number) else whole(c.number)
+        columns[c.name.decode()] = c.text.decode() if c.kind == _abi.ColumnKind.TEXT else value
+
+
 @dataclass(frozen=True)
 class Score:
     """The score of one pair. `float(score)` is its JOD; `str(score)` names it with its interval and warnings.
@@ -182,12 +197,17 @@ class Score:
     warnings: Tuple[str, ...]
     error: Optional[Error] = None
 
+    _result: ScoreResult = field(default_factory=ScoreResult, repr=False, compare=False)
+
+    @property
+    def row(self) -> Dict[str, Any]:
+        """All numbers and texts of the score by the names of the columns of `nqm score --csv`: `pandas.DataFrame(s.row for s in scores)`."""
+        return {"reference": self.ref, "test": self.test, **columns_of(self._result)}
+
     @property
     def verdict(self) -> str:
         """What the score means, in words that are not more certain than its interval: "visible", "identical"; "" without a score."""
-        r = ScoreResult(status=int(self.error.status) if self.error else 0, jod=self.jod, jod_low=self.low, jod_high=self.high,
-                        identical=self.identical)
-        return lib.nqm_verdict(byref(r), ctypes.create_string_buffer(_abi.VERDICT_TEXT)).decode()
+        return str(self.row["verdict"])
 
     def __float__(self) -> float:
         return self.jod
@@ -214,7 +234,8 @@ def score_of(model: Model, invalid: int, r: ScoreResult, ref: str, test: str, er
     prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
     return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
                  r.anisotropy, None if math.isnan(r.parts.structure) else parts_of(r.parts), dict(zip(METRICS, r.metrics)) if metrics else {},
-                 r.n_valid, _remarks(model, invalid, r, ref, test), error)
+                 r.n_valid, _remarks(model, invalid, r, ref, test), error,
+                 ScoreResult.from_buffer_copy(r))
 
 
 class Scorer:
@@ -363,7 +384,8 @@ def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarra
 
 def _no_result(error: Error) -> ScoreResult:
     nan = math.nan
-    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=(nan, nan, nan))
+    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=(nan, nan, nan),
+                    parts=_abi.Label(nan, (nan, nan, nan), nan, nan, nan))
     r.metrics[:] = [nan] * len(_abi.Metric)
     return r
 

@@ -4,7 +4,7 @@
  */
 #include "corpus/corpus.h"
 #include "data/data.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "label/label.h"
 #include "percept/percept.h"
 #include "sample/node_grid.h"

@@ -4,7 +4,7 @@
  * names are given without folders.
  */
 #include "corpus/corpus.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "math/math.h"
 #include "percept/percept.h"
 

@@ -7,7 +7,7 @@
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
 #include "fit/open.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "percept/percept.h"
 
 #include <stdlib.h>

@@ -5,7 +5,7 @@
  * the mapped file; nothing is copied.
  */
 #include "data/data.h"
-#include "io/options_json.h"
+#include "io/json.h"
 
 #include <string.h>
 

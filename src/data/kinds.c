@@ -4,7 +4,7 @@
  * these may be anisotropic.
  */
 #include "data/data.h"
-#include "io/options_json.h"
+#include "io/json.h"
 
 #include <string.h>
 

@@ -24,7 +24,7 @@ double nqm_fit_default(const nqm_schema_key *key) {
     return fmin(fmax(value, key->low), key->high);
 }
 
-/* A unit of every coordinate changes f_r by about the factor e: roughness counts by the square, which is alpha. */
+/* Coordinates are scaled so that a step of 1 changes f_r by about the factor e; that of a roughness is its square, alpha. */
 nqm_fit_parameter nqm_fit_describe(const nqm_schema *schema, size_t k) {
     const nqm_schema_key *key = &schema->keys[k];
     nqm_fit_parameter p = {.key = k,

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV with a header line, read into memory as a whole: RFC 4180 quoting; LF or CRLF; lines that begin with '#' and
- * blank lines are skipped; blanks around unquoted fields are removed. Fields are separated by commas, or by semicolons or
- * tabs if the header has no comma. The parser copies the text once, then unquotes
- * and NUL-terminates the fields in place, so that the offset of a field in the copy is its byte offset in the file,
- * which messages report.
+ * CSV with a header line (io.h). The parser copies the text once, then unquotes and NUL-terminates the fields in place, so that the
+ * offset of a field in the copy is its byte offset in the file, which messages report.
  */
 #include "io/io.h"
 

@@ -89,15 +89,6 @@ NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_
 /** Find a tensor by name; NULL when there is none, or nqm_dtype does not have its type. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
-
-/** Fail with NQM_ERR_LIMIT if the tree of the text, read by jansson, would take more than NQM_JSON_ROOM bytes and eight
- *  times n_file, the size of the file with the text. To be called before the text is parsed. name, byte: of the file,
- *  and the text's place in it, for messages. */
-NQM_MUST_CHECK nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
-                                         nqm_error *err);
-enum { NQM_JSON_ROOM = 512 << 10 };
-
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 
 typedef struct nqm_csv nqm_csv;
@@ -222,8 +213,7 @@ typedef struct nqm_mesh {
     size_t n_vertices, n_triangles;
     float *position;    /* (n_vertices, 3) */
     uint32_t *triangle; /* (n_triangles, 3) vertex indices, winding order as in the file */
-    float *
-        normal; /* (n_vertices, 3) unit vectors; area-weighted means of the triangles' normals when the file has none */
+    float *normal;      /* (n_vertices, 3) unit vectors; without them in the file area-weighted means of triangles */
 } nqm_mesh;
 
 enum { NQM_MESH_MAX_VERTICES = 20000000, NQM_MESH_MAX_TRIANGLES = 20000000 };

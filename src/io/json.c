@@ -3,10 +3,11 @@
  * JSON texts and memory. jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text that
  * consists of empty arrays. When an allocation fails it leaves out a character or a value, or fails without a reason.
  */
-#include "io/io.h"
-#include "io/options_json.h"
+#include "io/json.h"
 
 #include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* jansson has one allocator for the process: it stays the same, but failures are seen. */
 static json_malloc_t allocate_block;
@@ -93,4 +94,156 @@ nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const
                             name, byte + i, most >> 10, n_file);
     }
     return NQM_OK;
+}
+
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+static json_t *value_json(const nqm_option *o, const void *options) {
+    const void *field = (const char *)options + o->offset;
+    const size_t *list = field;
+    char text[NQM_OPTION_TEXT_MAX];
+    if (o->kind == NQM_OPTION_DOUBLE)
+        return json_real(*(const double *)field);
+    if (o->kind == NQM_OPTION_SIZE)
+        return json_integer((json_int_t)*list);
+    if (o->kind == NQM_OPTION_BOOL)
+        return json_boolean(*(const int *)field != 0);
+    if (o->kind != NQM_OPTION_SIZES)
+        return json_string(nqm_option_format(o, options, text));
+    json_t *array = json_array();
+    for (size_t i = 1; i <= list[0]; ++i)
+        if (json_array_append_new(array, json_integer((json_int_t)list[i])) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    return array;
+}
+
+json_t *nqm_json_from_options(const nqm_option_table *table, const void *options) {
+    json_t *json = json_object();
+    char text[NQM_OPTION_TEXT_MAX];
+    for (size_t i = 0; json && i < table->n; ++i) {
+        const nqm_option *o = &table->rows[i];
+        const char *zero = o->words ? o->words[0] : "0";
+        if (o->storage == NQM_NOT_STORED ||
+            (o->storage == NQM_STORED_UNLESS_ZERO && strcmp(nqm_option_format(o, options, text), zero) == 0))
+            continue;
+        if (json_object_set_new(json, o->key, value_json(o, options)) != 0) {
+            json_decref(json);
+            json = NULL;
+        }
+    }
+    return json;
+}
+
+char *nqm_json_text(json_t *json, size_t n_digits) {
+    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(n_digits)) : NULL;
+    char *text = dump ? nqm_strdup(dump) : NULL;
+    free(dump);
+    json_decref(json);
+    return text;
+}
+
+/* ---- positions: nothing here reads past the end, whatever the text is ---------------------------------------------- */
+
+static size_t skip_blanks(const nqm_json_source *json, size_t at) {
+    while (at < json->n && memchr(" \t\r\n", json->text[at], 4))
+        ++at;
+    return at;
+}
+
+size_t nqm_json_begin(const nqm_json_source *json) {
+    return skip_blanks(json, 0);
+}
+
+/* After the string whose quote is at `at`. */
+static size_t skip_string(const nqm_json_source *json, size_t at) {
+    for (++at; at < json->n && json->text[at] != '"'; ++at)
+        at += json->text[at] == '\\';
+    return at < json->n ? at + 1 : json->n;
+}
+
+size_t nqm_json_end(const nqm_json_source *json, size_t at) {
+    size_t depth = 0;
+    do {
+        const char c = at < json->n ? json->text[at] : 0;
+        if (c == '"') {
+            at = skip_string(json, at);
+            continue;
+        }
+        depth += c == '{' || c == '[';
+        if (depth == 0 && (c == 0 || strchr(",]} \t\r\n", c)))
+            return at;
+        depth -= c == '}' || c == ']';
+        ++at;
+        if (depth == 0 && (c == '}' || c == ']'))
+            return at;
+    } while (at < json->n);
+    return json->n;
+}
+
+/* After the bracket or comma at `at`: the next element or key; SIZE_MAX at the end. */
+static size_t enter(const nqm_json_source *json, size_t at) {
+    at = skip_blanks(json, at + 1);
+    return at < json->n && json->text[at] != ']' && json->text[at] != '}' ? at : SIZE_MAX;
+}
+
+size_t nqm_json_first(const nqm_json_source *json, size_t at) {
+    return at < json->n && json->text[at] == '[' ? enter(json, at) : SIZE_MAX;
+}
+
+size_t nqm_json_next(const nqm_json_source *json, size_t at) {
+    at = skip_blanks(json, nqm_json_end(json, at));
+    return at < json->n && json->text[at] == ',' ? enter(json, at) : SIZE_MAX;
+}
+
+void nqm_json_outline(const nqm_json_source *json, char *outline) {
+    enum { INNER = 2 };
+    size_t depth = 0;
+    memcpy(outline, json->text, json->n);
+    for (size_t at = 0; at < json->n;) {
+        const char c = json->text[at];
+        const bool opens = c == '{' || c == '[', closes = c == '}' || c == ']';
+        if (opens && depth == INNER) {
+            outline[at] = '0';
+            for (const size_t end = nqm_json_end(json, at); ++at < end;)
+                outline[at] = outline[at] == '\n' ? '\n' : ' ';
+            continue;
+        }
+        depth += opens;
+        depth -= closes && depth;
+        at = c == '"' ? skip_string(json, at) : at + 1;
+    }
+}
+
+/* The position of the value of a member of the object at `at`; SIZE_MAX: none (also for keys that are written with escapes). */
+static size_t find_member(const nqm_json_source *json, size_t at, const char *key) {
+    const size_t n_key = strlen(key);
+    if (at >= json->n || json->text[at] != '{')
+        return SIZE_MAX;
+    for (at = enter(json, at); at < json->n && json->text[at] == '"'; at = nqm_json_next(json, at)) {
+        const size_t end = skip_string(json, at);
+        const bool is_it = end - at == n_key + 2 && memcmp(json->text + at + 1, key, n_key) == 0;
+        at = skip_blanks(json, skip_blanks(json, end) + 1); /* the colon */
+        if (is_it)
+            return at < json->n ? at : SIZE_MAX;
+    }
+    return SIZE_MAX;
+}
+
+size_t nqm_json_path(const nqm_json_source *json, size_t at, const char *path) {
+    char key[64];
+    while (*path) {
+        const size_t n = strcspn(path, ".");
+        if (n >= sizeof key)
+            return at;
+        memcpy(key, path, n);
+        key[n] = 0;
+        const size_t next = find_member(json, at, key);
+        if (next == SIZE_MAX)
+            return at;
+        at = next;
+        path += n + (path[n] == '.');
+    }
+    return at;
 }

@@ -3,9 +3,7 @@
  * Real matrices in MAT v5 files ("MAT-File Format", The MathWorks: MATLAB's -v6 and -v7, scipy.io.savemat). A header of
  * 128 bytes is followed by elements of a tag (type, size) and data; a matrix is an element that contains elements:
  * flags, dimensions, name, values; a compressed element contains a matrix as a zlib stream. The reader takes either
- * byte order, compares every size with the bytes present before it allocates, and skips variables of other classes
- * (cells, structures, sparse matrices). The writer writes little-endian doubles, uncompressed, without a date: equal
- * matrices give identical files.
+ * byte order and skips variables of other classes (cells, structures, sparse matrices). The writer writes no date.
  */
 #include "io/io.h"
 

@@ -4,8 +4,7 @@
  * are not finite.
  */
 #include "io/raster.h"
-
-#include "io/raster_decoders.h"
+#include "io/io.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -4,7 +4,8 @@
  * or Y, each with A or without; half or float. The picture is the data window. Deep pictures and subsampled channels are refused.
  * Writing: one part of scanlines; R, G and B as float; ZIP compression.
  */
-#include "io/raster_decoders.h"
+#include "io/io.h"
+#include "io/raster.h"
 
 #include <openexr.h>
 #include <stdlib.h>

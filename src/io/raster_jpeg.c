@@ -2,7 +2,7 @@
  *
  * JPEG pictures with libjpeg-turbo: grey or RGB, 8 bits. Damaged data are refused, which libjpeg would replace by grey.
  */
-#include "io/raster_decoders.h"
+#include "io/raster.h"
 
 #include <jpeglib.h>
 

@@ -3,7 +3,7 @@
  * PNG pictures with libpng. Reading: all kinds, with the values of the file. Writing: 8-bit RGB, or RGB and alpha, at the highest
  * compression level.
  */
-#include "io/raster_decoders.h"
+#include "io/raster.h"
 
 #include <png.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  *
  * WebP pictures with libwebp: RGB, or RGB and alpha, 8 bits. Animations are refused.
  */
-#include "io/raster_decoders.h"
+#include "io/raster.h"
 
 #include <math.h>
 #include <webp/decode.h>

@@ -7,7 +7,7 @@
  * stores a checksum of the file in the header.
  */
 #include "io/io.h"
-#include "io/options_json.h"
+#include "io/json.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -188,19 +188,17 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
     status = nqm_json_load((const char *)data + HEADER_AT, (size_t)n_header, JSON_REJECT_DUPLICATES, &root, &why, err);
     if (status == NQM_ERR_NOMEM)
         return status;
-    if (!json_is_object(root)) {
-        const long long byte = HEADER_AT + (root ? 0 : why.position);
-        status = nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not a safetensors file: header: %s (byte %lld)", name,
-                          root ? "not an object" : why.text, byte);
-        json_decref(root);
-        return status;
-    }
+    const long long byte = HEADER_AT + (root ? 0 : why.position);
+    const size_t n_max = json_object_size(root);
     nqm_safetensors *st;
     nqm_tensor *tensors;
     const nqm_tensor **order;
-    const size_t n_max = json_object_size(root);
-    status = nqm_alloc_arrays(
-        NQM_ARRAYS({&st, 1, sizeof *st}, {&tensors, n_max, sizeof *tensors}, {&order, n_max, sizeof *order}), err);
+    if (json_is_object(root))
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&st, 1, sizeof *st}, {&tensors, n_max, sizeof *tensors}, {&order, n_max, sizeof *order}), err);
+    else
+        status = nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not a safetensors file: header: %s (byte %lld)", name,
+                          root ? "not an object" : why.text, byte);
     if (status != NQM_OK) {
         json_decref(root);
         return status;

@@ -25,9 +25,4 @@ typedef struct nqm_lobe_picture {
 NQM_MUST_CHECK nqm_status nqm_lobes_pictures(const nqm_slope_light *light, size_t n, nqm_lobe_picture *pictures,
                                              nqm_ticker *ticker, nqm_error *err);
 
-/** The light (3, n) of the points for a BRDF, by half vectors that suit a lobe. totals: (3, n) the light of all slopes. false: out of
- *  memory. */
-bool nqm_lobes_light(const nqm_slope_light *light, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                     double *rgb);
-
 #endif

@@ -111,7 +111,7 @@ nqm_rule_read nqm_bsdf_file;
 
 /** Record that the property `node` is no constant, if it is the first one. */
 void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
-/** Whether a property, or NULL, is no constant. */
+/** Whether a property has a texture instead of a constant value; false for NULL. */
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
 /** Check the properties of the texture r->at: `read` names those that are read, `unused` those without effect, which are listed as such;
  *  any other refuses the material: false. */
@@ -141,5 +141,32 @@ typedef struct nqm_metal {
 const nqm_metal *nqm_metal_find(bool is_pbrt, const char *name);
 /** All its names, separated by ", ". */
 void nqm_metal_names(bool is_pbrt, char *text, size_t n_text);
+
+/* ---- Mitsuba: its scenes are read from XML or from a JSON dictionary into one list of nodes ----------------------- */
+
+/** true when Mitsuba has a BSDF plugin of this name. */
+bool nqm_mitsuba_is_bsdf(const char *type);
+/** Append a material for each BSDF that is not inside of another one. path: of the scene. */
+NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, nqm_materials *materials,
+                                                nqm_error *err);
+
+/** Write the BSDF as a JSON dictionary or as XML. */
+nqm_status nqm_mitsuba_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
+                             nqm_error *err);
+
+/* ---- pbrt ---------------------------------------------------------------------------------------------------------- */
+
+/** What is read of a scene. */
+typedef struct nqm_pbrt_scene {
+    const char *path;
+    nqm_bsdf_nodes nodes; /**< the textures so far, then the material that is being read, each with its parameters */
+    nqm_index names;      /**< of textures and materials */
+    nqm_materials *materials;
+} nqm_pbrt_scene;
+/** The node of a "float" or "spectrum" texture, or the number of a "material"; SIZE_MAX: there is none of this name. */
+size_t nqm_pbrt_find(const nqm_index *names, const char *kind, const char *name);
+/** Append the material of this type at node `at`, after the textures that it can name. refusal: why it is refused; NULL: it is not. */
+NQM_MUST_CHECK nqm_status nqm_pbrt_add(const nqm_pbrt_scene *scene, size_t at, const char *type, const char *refusal,
+                                       nqm_error *err);
 
 #endif

@@ -3,7 +3,6 @@
  * Colour spaces: a curve, then a matrix. The matrix of ACEScg (AP1, white of ACES) adapts the white with Bradford's transform
  * (CTL of ACES 1.0, also in MaterialX's libraries/cmlib), as that of ACES2065-1 (AP0); the others have the white of BT.709.
  */
-#include "material/color_space.h"
 #include "material/material.h"
 
 #include <math.h>

@@ -81,11 +81,8 @@ static size_t read_channel(char *text, bool is_normal) {
 }
 
 /* key NULL: the normal */
-static bool is_given(const nqm_textured *t, const nqm_rule *key) {
-    bool is = key ? nqm_values_given(&t->values, key->key) != NULL : t->normal != NQM_NO_NODE;
-    for (size_t i = 0; key && i < t->n_outputs; ++i)
-        is = is || strcmp(t->outputs[i].key, key->key) == 0;
-    return is;
+static bool is_given(nqm_textured *t, const nqm_rule *key) {
+    return key ? nqm_values_given(&t->values, key->key) || nqm_graph_output(t, key->key) : t->normal != NQM_NO_NODE;
 }
 
 static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
@@ -145,10 +142,9 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
 
 /* glTF's default is metal, which no list of maps means: it is 0 in lists and folders that do not give it. */
 static void set_default_metallic(nqm_textured *t) {
-    const double zero = 0;
     if (t->values.schema != &nqm_gltf_schema || is_given(t, find_key(t, "metallic")))
         return;
-    nqm_values_set(&t->values, "metallic", 1, &zero);
+    nqm_values_set(&t->values, "metallic", 1, &(double){0});
     nqm_textured_remark(t, "metallic is 0, as nothing gives it");
 }
 
@@ -207,12 +203,6 @@ static bool is_map_of(const char *file, const struct map_name *map) {
     return end != NULL;
 }
 
-/* The colour of the specular reflection at normal incidence, where there is no metalness: of an infinite index of refraction. */
-static void use_specular_color(nqm_textured *t) {
-    const double ior = 1e7;
-    nqm_values_set(&t->values, "ior", 1, &ior);
-}
-
 /* is_used: (n) receives whether a file is a map. */
 static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, bool *is_used,
                             nqm_error *err) {
@@ -236,8 +226,8 @@ static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **f
         done = map->key;
         is_used[found] = true;
         has_metallic |= strcmp(map->key, "metallic") == 0;
-        if (is_specular)
-            use_specular_color(t);
+        if (is_specular) /* the colour of the reflection at normal incidence: of an infinite index of refraction */
+            nqm_values_set(&t->values, "ior", 1, &(double){1e7});
         status = add_map(t, find_key(t, map->key), from, files[found]->d_name, map->channel, map->how, err);
     }
     return status;

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular,
- * _ior, _anisotropy, _iridescence, _clearcoat and _sheen, and KHR_materials_pbrSpecularGlossiness. Meshes and everything else of the file are not read; the
- * materials are parsed one by one, because the tree of a whole file takes twenty times its bytes. Textures are in
- * gltf_textures.c.
+ * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb), with the properties of gltf_properties.c and the textures of
+ * gltf_textures.c. They are parsed one by one, because the tree of a whole file takes twenty times its bytes.
  */
 #define _GNU_SOURCE /* strcasestr */
 #include "material/gltf.h"
 #include "io/io.h"
-#include "io/options_json.h"
 
 #include "schema/models.h"
 #include <limits.h>
@@ -98,8 +95,9 @@ static int64_t byte_of(const reader *r, const char *path) {
     return (int64_t)(r->document.source_at + nqm_json_path(&r->document.source, r->at, path));
 }
 
+/* at: a property, which begins with its path, or a path. */
 static int64_t byte_of_property(const nqm_reading *r, const void *at) {
-    return byte_of((const reader *)r, ((const property *)at)->path);
+    return byte_of((const reader *)r, at);
 }
 
 /* The path of a property as messages have it. */
@@ -110,16 +108,12 @@ static const char *shown_path(const char *path) {
 
 /* Refuse the material as "PROPERTY: REASON". `path` is that of the property in the material. */
 static bool refuse(reader *r, const char *path, const char *value, const char *reason) {
-    property at = {.value = NULL};
-    snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value, reason);
+    return nqm_refuse(&r->reading, path, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value, reason);
 }
 
 /* The same, unless `ignorable` is ignored. */
 static bool set_aside(reader *r, unsigned ignorable, const char *path, const char *value, const char *reason) {
-    property at = {.value = NULL};
-    snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value,
+    return nqm_set_aside(&r->reading, ignorable, path, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value,
                          reason);
 }
 
@@ -218,14 +212,13 @@ static void read_object(reader *r, const nqm_gltf_group *group, const char *path
     r->object = object;
     r->reading.rules = group->rules;
     r->reading.owner = group->name;
-    r->reading.given = 0;
     json_object_foreach(object, name, value) {
         property p = {.value = value};
         snprintf(p.path, sizeof p.path, "%s%.100s", prefix, name);
         const bool is_free =
             strcmp(name, "extras") == 0 || (strcmp(name, "extensions") == 0 && json_object_size(p.value) == 0);
         if (!is_free && r->status == NQM_OK)
-            nqm_rules_apply(&r->reading, name, &p);
+            nqm_rules_apply(&r->reading, name, &p, false); /* the JSON has none twice */
     }
 }
 
@@ -240,12 +233,9 @@ static bool is_zero(const json_t *value) {
 /* Specular-glossiness stands for metallic-roughness, and its defaults are other ones. */
 static void begin_glossiness(reader *r, const json_t *list, const json_t *core) {
     static const char *const others[] = {"KHR_materials_specular", "KHR_materials_ior"};
-    const double one = 1, zero = 0;
-    nqm_values *values = &r->reading.values;
-    nqm_values_set(values, "metallic", 1, &zero);
-    nqm_values_set(values, "roughness", 1, &zero);
-    nqm_values_set(values, "ior", 1, &zero);
-    nqm_values_set(values, "base_color", 1, &one);
+    static const char *const keys[] = {"metallic", "roughness", "ior", "base_color"};
+    for (size_t i = 0; i < 4; ++i)
+        nqm_values_set(&r->reading.values, keys[i], 1, &(double){i == 3});
     for (size_t i = 0; i < 2; ++i)
         if (json_object_get(list, others[i]))
             refuse(r, "extensions.KHR_materials_pbrSpecularGlossiness", "",

@@ -5,15 +5,14 @@
 #ifndef NQM_SRC_MATERIAL_GLTF_H
 #define NQM_SRC_MATERIAL_GLTF_H
 
-#include "io/json_where.h"
+#include "io/json.h"
 #include "material/rules.h"
-#include <jansson.h>
 
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
     const char *name;
-    const char *refusal; /**< why materials with it are refused; NULL: they are read */
     nqm_rule rules[10];  /**< those with a key first */
+    const char *refusal; /**< why materials with it are refused; NULL: they are read */
 } nqm_gltf_group;
 
 /** The members of a material itself, pbrMetallicRoughness and what may stand for it, and the other extensions. */

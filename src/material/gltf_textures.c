@@ -4,7 +4,6 @@
  * parsed when a material needs them.
  */
 #include "io/io.h"
-#include "io/options_json.h"
 #include "material/gltf.h"
 #include "material/materialx.h"
 

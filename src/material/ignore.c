@@ -49,19 +49,12 @@ nqm_status nqm_ignore_refuse(const char *text, nqm_error *err) {
 
 /* ---- what reflects ----------------------------------------------------------------------------------------------- */
 
-static nqm_map_output *find_output(nqm_textured *t, const char *key) {
-    size_t i = 0;
-    while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
-        ++i;
-    return i < t->n_outputs ? &t->outputs[i] : NULL;
-}
-
 static const nqm_schema_key *key_of(const nqm_reading *r, nqm_role role) {
     return &r->values.schema->keys[nqm_schema_key_of(r->values.schema, role)];
 }
 
 static uint16_t node_of(nqm_reading *r, const nqm_schema_key *key) {
-    const nqm_map_output *output = find_output(r->textured, key->name);
+    const nqm_map_output *output = nqm_graph_output(r->textured, key->name);
     return output ? output->node : nqm_graph_value(r->textured, key->n, r->values.v[key - r->values.schema->keys]);
 }
 
@@ -71,7 +64,7 @@ static void set_key(nqm_reading *r, const nqm_schema_key *key, uint16_t node) {
         r->refusal = r->aside; /* too many nodes, or a value that is not finite */
         return;
     }
-    if (!nqm_graph_is_constant(t, node) || find_output(t, key->name))
+    if (!nqm_graph_is_constant(t, node) || nqm_graph_output(t, key->name))
         nqm_graph_output_set(t, key->name, node);
     else
         nqm_values_set(&r->values, key->name, t->nodes[node].n, t->nodes[node].v);
@@ -110,7 +103,7 @@ static void split_metal(nqm_reading *r) {
     const char *metal = key_of(r, NQM_ROLE_METAL)->name;
     const double share = r->values.v[nqm_schema_key_of(r->values.schema, NQM_ROLE_METAL)][0], zero = 0, one = 1;
     const bool varies = r->textured->n_outputs || r->textured->normal != NQM_NO_NODE;
-    if (find_output(r->textured, metal) || (varies && share > 0 && share < 1))
+    if (nqm_graph_output(r->textured, metal) || (varies && share > 0 && share < 1))
         nqm_textured_remark(r->textured, "where it is partly a metal, the metal is darkened with the rest");
     if (varies || !(share > 0 && share < 1))
         return;

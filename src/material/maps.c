@@ -181,15 +181,20 @@ uint16_t nqm_graph_image_at(nqm_textured *t, size_t image, size_t n, const doubl
     return nqm_graph_add(t, node);
 }
 
-void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node) {
+nqm_map_output *nqm_graph_output(nqm_textured *t, const char *key) {
     size_t i = 0;
     while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
         ++i;
-    if (i == NQM_SCHEMA_MAX_KEYS)
+    return i < t->n_outputs ? &t->outputs[i] : NULL;
+}
+
+void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node) {
+    nqm_map_output *output = nqm_graph_output(t, key);
+    if (!output && t->n_outputs == NQM_SCHEMA_MAX_KEYS)
         return;
-    t->n_outputs = nqm_larger(t->n_outputs, i + 1);
-    snprintf(t->outputs[i].key, sizeof t->outputs[i].key, "%s", key);
-    t->outputs[i].node = node;
+    output = output ? output : &t->outputs[t->n_outputs++];
+    snprintf(output->key, sizeof output->key, "%s", key);
+    output->node = node;
 }
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */

@@ -96,9 +96,7 @@ typedef struct nqm_textured {
     nqm_values values; /**< with values of all properties that are constant */
     size_t n_outputs;
     nqm_map_output outputs[NQM_SCHEMA_MAX_KEYS];
-    uint16_t
-        normal; /**< the node of the normal, a unit vector in the frame of tangent (u), bitangent (v upwards) and normal;
-                          NQM_NO_NODE: (0, 0, 1) */
+    uint16_t normal; /**< a unit vector in the frame of tangent (u), bitangent (v upwards), normal; NQM_NO_NODE: z */
     size_t n_nodes, max_nodes;
     nqm_map_node *nodes;
     size_t n_images, max_images;
@@ -151,6 +149,8 @@ uint16_t nqm_graph_image_at(nqm_textured *t, size_t image, size_t n, const doubl
 bool nqm_graph_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret);
 /** Add any image; takes its path, data and name, also on failure. A NULL of what it needs is a failure. */
 bool nqm_graph_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret);
+/** What computes a key; NULL: it is constant. */
+nqm_map_output *nqm_graph_output(nqm_textured *t, const char *key);
 /** Let a key have the value of a node. */
 void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node);
 
@@ -161,10 +161,9 @@ NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured
  *  of memory; nqm_free() it. */
 size_t nqm_networks_in_folder(const char *path, char **first_ret);
 
-/** The textured material i of a file; NULL: it is constant, or refused. The same with some properties left out (NQM_IGNORE_...). */
-const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);
+/** The textured material i of a file without the properties `ignored` (NQM_IGNORE_...); NULL: it is constant, or refused. */
 const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored);
-/** Give the last material its maps, or NULL; is_owner: it frees them, else they are those of a material that outlives it. */
-void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner);
+/** Give the last material its maps, which it frees. */
+void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured);
 
 #endif

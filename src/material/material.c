@@ -13,11 +13,11 @@ struct nqm_materials {
     const char *path;                          /* while the file is read, for messages */
     size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
-        nqm_material_info info;       /* each name owns a block with the other texts */
-        const nqm_textured *textured; /* NULL: none */
-        bool is_owner;
+        nqm_material_info info;         /* each name owns a block with the other texts */
+        nqm_textured *textured;         /* NULL: none */
+        const struct entry *other;      /* the next one of the same name, of the first one; NULL: none */
     } * list;                           /* (n) */
-    size_t *by_name;                    /* (n) their numbers in the order of the names, when the file is read */
+    nqm_index by_name;                  /* the first of each name, when the file is read */
     char unread[NQM_REMARK_SIZE - 100]; /* included files that are not read, for the remarks of all materials */
     size_t n_more;                      /* that are not named there */
 };
@@ -30,6 +30,28 @@ static const nqm_material_format *const formats[] = {NQM_MATERIAL_FORMATS(POINTE
 size_t nqm_materials_count(const nqm_materials *materials) {
     assert(materials);
     return materials->n;
+}
+
+static nqm_index_key name_of(const void *value) {
+    return (nqm_index_key){.name = ((const struct entry *)value)->info.name};
+}
+
+static nqm_status index_names(nqm_materials *m, nqm_error *err) {
+    nqm_status status = nqm_index_create(m->n, name_of, &m->by_name, err);
+    for (size_t i = 0; i < m->n && status == NQM_OK; ++i) {
+        struct entry *first = (struct entry *)(uintptr_t)nqm_index_find(&m->by_name, name_of(&m->list[i]));
+        if (!first)
+            nqm_index_add(&m->by_name, &m->list[i]);
+        else if (!first->other)
+            first->other = &m->list[i];
+    }
+    return status;
+}
+
+size_t nqm_materials_find(const nqm_materials *m, const char *name, size_t *other_ret) {
+    const struct entry *first = nqm_index_find(&m->by_name, (nqm_index_key){.name = name});
+    *other_ret = first && first->other ? (size_t)(first->other - m->list) : SIZE_MAX;
+    return first ? (size_t)(first - m->list) : SIZE_MAX;
 }
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
@@ -62,11 +84,10 @@ void nqm_materials_free(nqm_materials *materials) {
         return;
     for (size_t i = 0; i < materials->n; ++i) {
         nqm_free((char *)materials->list[i].info.name);
-        if (materials->list[i].is_owner)
-            nqm_textured_free((nqm_textured *)materials->list[i].textured);
+        nqm_textured_free(materials->list[i].textured);
     }
+    nqm_index_free(&materials->by_name);
     nqm_free(materials->list);
-    nqm_free(materials->by_name);
     nqm_free(materials);
 }
 
@@ -120,10 +141,6 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     return status;
 }
 
-const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i) {
-    return nqm_materials_maps(materials, i, 0);
-}
-
 const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored) {
     return is_refused(&materials->list[i].info, ignored) ? NULL : materials->list[i].textured;
 }
@@ -135,11 +152,10 @@ bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes) {
     return materials->max_reserved > 0;
 }
 
-void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
+void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured) {
     struct entry *last = &materials->list[materials->n - 1];
     last->textured = textured;
-    last->is_owner = is_owner;
-    last->info.n_maps = textured ? textured->n_images : 0;
+    last->info.n_maps = textured->n_images;
 }
 
 /* ---- included files ---------------------------------------------------------------------------------------------- */
@@ -171,50 +187,10 @@ static nqm_status add_unread(nqm_materials *materials, nqm_error *err) {
             nqm_free(block);
         }
         nqm_free(remark);
-        if (entry->is_owner)
-            nqm_textured_remark((nqm_textured *)entry->textured, text);
+        if (entry->textured)
+            nqm_textured_remark(entry->textured, text);
     }
     return status;
-}
-
-/* ---- by name ----------------------------------------------------------------------------------------------------- */
-
-/* qsort() has no argument for the list: entries point to it. Equal names in the order of the file, which is that of the entries. */
-static int compare_names(const void *a, const void *b) {
-    const struct entry *x = *(const struct entry *const *)a, *y = *(const struct entry *const *)b;
-    const int order = strcmp(x->info.name, y->info.name);
-    return order ? order : (x > y) - (x < y);
-}
-
-static nqm_status sort_names(nqm_materials *m, nqm_error *err) {
-    const struct entry **sorted = nqm_alloc(m->n, sizeof *sorted);
-    m->by_name = nqm_alloc(m->n, sizeof *m->by_name);
-    if (!sorted || !m->by_name) {
-        nqm_free(sorted);
-        return nqm_fail_nomem(err, m->n * sizeof *sorted);
-    }
-    for (size_t i = 0; i < m->n; ++i)
-        sorted[i] = &m->list[i];
-    qsort(sorted, m->n, sizeof *sorted, compare_names);
-    for (size_t i = 0; i < m->n; ++i)
-        m->by_name[i] = (size_t)(sorted[i] - m->list);
-    nqm_free(sorted);
-    return NQM_OK;
-}
-
-const size_t *nqm_materials_named(const nqm_materials *m, const char *name, size_t *n_ret) {
-    size_t low = 0, high = m->n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(m->list[m->by_name[middle]].info.name, name) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    while (high < m->n && strcmp(m->list[m->by_name[high]].info.name, name) == 0)
-        ++high;
-    *n_ret = high - low;
-    return m->by_name + low;
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -258,7 +234,7 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material%s%.300s", map->path,
                           format->name, *materials->unread ? "; " : "", materials->unread);
     if (status == NQM_OK)
-        status = sort_names(materials, err);
+        status = index_names(materials, err);
     if (status == NQM_OK)
         *materials_ret = materials;
     else

@@ -33,8 +33,8 @@ NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, nqm_written_material *ma
 
 /** How many materials the file has. */
 size_t nqm_materials_count(const nqm_materials *materials);
-/** The numbers of the materials of that name, in the order of the file, and how many these are. */
-const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
+/** The number of the first material of that name, and *other_ret of the second; SIZE_MAX: there is none. */
+size_t nqm_materials_find(const nqm_materials *materials, const char *name, size_t *other_ret);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** An empty list, for a reader; NULL: out of memory. path: of the file, for messages of nqm_materials_add(). */
@@ -118,5 +118,15 @@ const char *nqm_material_extensions(const char *model);
 void nqm_material_format_names(char *text, size_t n_text);
 /** As nqm_materials_open(), of an open file. */
 NQM_MUST_CHECK nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret, nqm_error *err);
+
+/* ---- colours of files to linear BT.709 (color_space.c) ----------------------------------------------------------- */
+
+/** Convert rgb (3) from the colour space of this name (those of MaterialX; NULL, "" and "none": no conversion). false: no such
+ *  space. Values may leave 0 to 1 where the space is larger than BT.709. */
+bool nqm_color_to_rec709(const char *space, double *rgb);
+/** The component with sRGB's curve to linear (IEC 61966-2-1). */
+double nqm_srgb_to_linear(double v);
+/** The inverse. */
+double nqm_linear_to_srgb(double v);
 
 #endif

@@ -19,11 +19,6 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
-    nqm_index shaders; /* of `known` */
-    struct known_shader {
-        element *shader;
-        size_t material; /* the first one that has it */
-    } known[NQM_MAX_MATERIALS];
     element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
@@ -175,16 +170,14 @@ static bool check_coat_normal(reading *r) {
     bool has_coat = false;
     for (size_t i = 0; i < 3; ++i) {
         const double *weight = nqm_values_given(&r->reading.values, weights[i]);
-        has_coat = has_coat || (weight && *weight > 0);
-        for (size_t k = 0; k < r->graph.t->n_outputs; ++k)
-            has_coat = has_coat || nqm_texts_equal(weights[i], r->graph.t->outputs[k].key);
+        has_coat = has_coat || (weight && *weight > 0) || nqm_graph_output(r->graph.t, weights[i]);
     }
     if (r->coat_normal_node == base || !has_coat || nqm_texts_equal(r->surface->model, "usd-preview"))
         return true;
     if (r->coat_normal_node != NQM_NO_NODE)
         return nqm_refuse(&r->reading, r->coat_normal, "%s changes the normal of the coat alone; a BRDF has one normal",
                           nqm_xml_get(r->coat_normal, "name"));
-    nqm_mtlx_remark(&r->graph, "the coat, which is smooth in the file, has the normal map of the base");
+    nqm_textured_remark(r->graph.t, "the coat, which is smooth in the file, has the normal map of the base");
     return true;
 }
 
@@ -201,8 +194,9 @@ bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const voi
     reading *r = (reading *)base;
     if (read_map(r, rule, property) == NQM_NO_NODE || !is_same_color(r, "subsurface_color", "base_color"))
         return nqm_rule_neutral(base, rule, property);
-    nqm_mtlx_remark(&r->graph, "light leaves the surface where it arrives: the map of the subsurface scattering, which "
-                               "has the color of the base, is ignored");
+    nqm_textured_remark(r->graph.t,
+                        "light leaves the surface where it arrives: the map of the subsurface scattering, which "
+                        "has the color of the base, is ignored");
     return true;
 }
 
@@ -210,7 +204,7 @@ bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void 
     reading *r = (reading *)base;
     if (read_map(r, rule, property) == NQM_NO_NODE)
         return nqm_rule_neutral(base, rule, property);
-    nqm_mtlx_remark(&r->graph, "the map of the emission is ignored: emission is no part of a BRDF");
+    nqm_textured_remark(r->graph.t, "the map of the emission is ignored: emission is no part of a BRDF");
     return true;
 }
 
@@ -225,13 +219,13 @@ bool nqm_mtlx_read_unused(nqm_reading *r, const nqm_rule *rule, const void *prop
     (void)rule;
     snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
     if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(property, "value"), "0"))
-        nqm_mtlx_remark(&((reading *)r)->graph, text);
+        nqm_textured_remark(r->textured, text);
     return true;
 }
 
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
-    nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
+    nqm_textured_remark(r->textured, NQM_OCCLUSION_REMARK);
     return true;
 }
 
@@ -287,9 +281,12 @@ static bool read_shader(reading *r) {
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next) {
         const char *name = nqm_xml_get(e, "name");
-        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
-            ok = is_usd && name && !nqm_rule_find(r->surface->inputs, name) ? nqm_mtlx_read_unused(&r->reading, NULL, e)
-                                                                            : nqm_rules_apply(&r->reading, name, e);
+        if (strcmp(e->name, "input") != 0 || !nqm_mtlx_has_value(e))
+            continue;
+        if (is_usd && name && !nqm_rule_find(r->surface->inputs, name))
+            nqm_mtlx_read_unused(&r->reading, NULL, e);
+        else
+            ok = nqm_rules_apply(&r->reading, name, e, find_input(&r->reading, name) != e);
     }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
@@ -337,54 +334,24 @@ static void check_displacement(reading *r, element *material) {
                       "displacementshader is connected: displacement is not part of a BRDF");
 }
 
-static nqm_index_key key_of_known(const void *value) {
-    return (nqm_index_key){((const struct known_shader *)value)->shader, ""};
-}
-
-/* Add a material whose shader an earlier one has, too. */
-static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
-    nqm_material_info info = nqm_materials_get(materials, i);
-    info.name = nqm_xml_get(material, "name");
-    info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
-    const nqm_status status = nqm_materials_add(materials, &info, err);
-    if (status == NQM_OK)
-        nqm_materials_attach(materials, nqm_materials_maps(materials, i, ~0U), false);
-    return status;
-}
-
 /* `material` is a surfacematerial, or a shader that no material uses. */
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
-    const size_t number = nqm_materials_count(materials);
     const bool has_memory = nqm_reading_begin(&r->reading, &source);
     r->graph.t = r->reading.textured;
     r->graph.n_built = 0;
     r->graph.depth = 0;
-    *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
-    const bool has_shader = r->shader != NULL, is_own = nqm_xml_get(material, "remark") != NULL;
-    if (is_own)
-        nqm_mtlx_remark(&r->graph, nqm_xml_get(material, "remark"));
-    if (has_shader && has_memory)
+    if (has_memory && nqm_xml_get(material, "remark"))
+        nqm_textured_remark(r->graph.t, nqm_xml_get(material, "remark"));
+    if (r->shader && has_memory)
         check_displacement(r, material);
-    const bool is_shared = has_shader && !is_own && !r->reading.ignorable;
-    const struct known_shader *known = is_shared ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
-    if (known) {
-        nqm_textured_free(r->graph.t);
-        return add_again(known->material, material, materials, err);
-    }
     if (!nqm_materials_reserve(materials, 0))
         nqm_refuse(&r->reading, material, NQM_MATERIALS_FULL);
-    else if (has_shader && has_memory)
+    else if (r->shader && has_memory)
         read_shader(r);
-    nqm_status status =
-        nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
-                        material->byte_offset, materials, err);
-    if (status == NQM_OK && is_shared) {
-        r->known[number] = (struct known_shader){r->shader, number};
-        nqm_index_add(&r->shaders, &r->known[number]);
-    }
-    return status;
+    return nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
+                           material->byte_offset, materials, err);
 }
 
 /* The surfacematerials, or the shaders if there are none. */
@@ -409,11 +376,8 @@ nqm_status nqm_mtlx_read_document(const nqm_xml *xml, const char *path, nqm_mate
     r->graph.reading = &r->reading;
     nqm_status status = nqm_xml_names_create(xml->n_elements, xml, &r->graph.names, err);
     if (status == NQM_OK)
-        status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
-    if (status == NQM_OK)
         status = add_all(r, materials, err);
     nqm_index_free(&r->graph.names);
-    nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
 }

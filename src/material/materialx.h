@@ -36,7 +36,6 @@ typedef struct nqm_mtlx_graph {
         const char *output;
         uint16_t value;
     } built[NQM_MAX_MAP_NODES]; /**< nodes of the document and what they have become */
-    char remark[NQM_REMARK_SIZE];
     /* of the input that is read: */
     const struct nqm_xml_element *input;
     const char *name;
@@ -63,10 +62,24 @@ NQM_MUST_CHECK nqm_status nqm_mtlx_read_document(const struct nqm_xml *xml, cons
 static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
-/** Convert n values from the unit that an element names to that of its definition: angles to degrees, thicknesses of films to
- *  micrometres in OpenPBR and to nanometres in the others, as sizes of images, of which ratios count. false: the material is refused. */
-bool nqm_mtlx_convert_unit(nqm_mtlx_graph *graph, const struct nqm_xml_element *element, size_t n, double *v);
-/** Add to the remark on the material. */
-void nqm_mtlx_remark(nqm_mtlx_graph *graph, const char *text);
+
+/* ---- programs (materialx_program.c): what a node computes, in reverse Polish notation. a, b, ... are its operands, I its image,
+ * digits are constants, P is pi / 180, x, y and z take a component, `!` makes an operand of the result so far, and run_operation()
+ * has the other letters. */
+
+enum { NQM_MTLX_OPERANDS = 16 };
+/** The operands and results of a program. */
+typedef struct nqm_mtlx_program {
+    nqm_textured *t;
+    size_t n_operands, n_stack;
+    uint16_t operand[NQM_MTLX_OPERANDS], stack[NQM_MTLX_OPERANDS], image;
+} nqm_mtlx_program;
+
+/** The node of the result; NQM_NO_NODE as of nqm_graph_add(). */
+uint16_t nqm_mtlx_run(nqm_mtlx_program *m, const char *program);
+/** Components of a node; of NQM_NO_NODE 1. */
+size_t nqm_mtlx_width(const nqm_textured *t, uint16_t node);
+/** The value with n components: a number is repeated, others are cut, or continued as MaterialX's node convert does. */
+uint16_t nqm_mtlx_resize(nqm_textured *t, uint16_t node, size_t n);
 
 #endif

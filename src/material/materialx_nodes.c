@@ -6,9 +6,7 @@
  * is not in the table refuses the material.
  */
 #include "io/xml.h"
-#include "material/color_space.h"
 #include "material/materialx.h"
-#include "material/materialx_program.h"
 
 #include <math.h>
 
@@ -18,8 +16,7 @@ typedef nqm_mtlx_graph graph;
 enum { MAX_HOPS = 64 };
 
 /* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the
- * program, which is in reverse Polish notation: digits are constants, `!` makes an operand of the result so far, and
- * materialx_program.c has the operations. */
+ * program (materialx.h). */
 typedef struct node_kind {
     const char *name, *operands, *program;
     /* Of a node that reads an image, which is I in the program: its texture coordinates. */
@@ -111,7 +108,7 @@ bool nqm_mtlx_has_value(element *e) {
 /* What the element itself says about its value. */
 static void take_remark(graph *g, element *e) {
     if (nqm_xml_get(e, "remark"))
-        nqm_mtlx_remark(g, nqm_xml_get(e, "remark"));
+        nqm_textured_remark(g->t, nqm_xml_get(e, "remark"));
 }
 
 /* Names an element for messages: in other nodes than the shader, with the node. Returns text. */
@@ -153,6 +150,38 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
     return true;
 }
 
+/* Units (MaterialX Specification, "Units"), in degrees and nanometres. */
+static const struct unit {
+    const char *name;
+    bool is_angle;
+    double size;
+} units[] = {{"degree", true, 1},        {"radian", true, 57.29577951308232},
+             {"nanometer", false, 1},    {"micron", false, 1e3},
+             {"micrometer", false, 1e3}, {"millimeter", false, 1e6},
+             {"centimeter", false, 1e7}, {"inch", false, 25.4e6},
+             {"foot", false, 304.8e6},   {"yard", false, 914.4e6},
+             {"meter", false, 1e9},      {"kilometer", false, 1e12},
+             {"mile", false, 1609.344e9}};
+
+/* Convert n values from the unit that an element names to that of its definition: angles to degrees, thicknesses of films to micrometres
+ * in OpenPBR and to nanometres in the others, as sizes of images, of which ratios count. false: the material is refused. */
+static bool convert_unit(graph *g, element *e, size_t n, double *v) {
+    const char *name = nqm_xml_get(e, "name"), *unit = nqm_xml_get(e, "unit");
+    const struct unit *u = units, *end = units + sizeof units / sizeof *units;
+    if (!unit)
+        return true;
+    while (u < end && strcmp(u->name, unit) != 0)
+        ++u;
+    const bool is_film = name && strstr(name, "thickness"), is_size = name && strncmp(name, "realworld", 9) == 0;
+    if (u == end || (!u->is_angle && !is_film && !is_size))
+        return nqm_refuse(g->reading, g->input, "%s: the unit '%.40s' of '%.60s' is not known here", g->name, unit,
+                          name ? name : e->name);
+    const double to = is_film && nqm_texts_equal(e->parent->name, "open_pbr_surface") ? 1e3 : 1;
+    for (size_t c = 0; c < n; ++c)
+        v[c] *= u->size / to;
+    return true;
+}
+
 /* The value that an element has itself; of the type, unless it names another. */
 static uint16_t read_constant(graph *g, element *e, const char *type) {
     static const char *const counts[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
@@ -181,7 +210,7 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
             return REFUSE(g, "%s is not finite", name);
-    if (!nqm_mtlx_convert_unit(g, e, n, v))
+    if (!convert_unit(g, e, n, v))
         return NQM_NO_NODE;
     return nqm_graph_value(g->t, n, v);
 }
@@ -334,8 +363,9 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
     } else if (nqm_mtlx_child(g, node, "input", is_usd ? "fallback" : "default"))
         nqm_reading_unused(g->reading, is_usd ? "fallback" : "default");
     if (nqm_texts_equal(kind->name, "hextiledimage"))
-        nqm_mtlx_remark(g, "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
-                           "the same, their order is not");
+        nqm_textured_remark(g->t,
+                            "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
+                            "the same, their order is not");
     return nqm_graph_add(g->t, result);
 }
 
@@ -507,9 +537,4 @@ uint16_t nqm_mtlx_read(graph *g, element *input, const char *name, const char *t
     if (value == NQM_NO_NODE)
         return REFUSE(g, "%s: out of memory", name);
     return value;
-}
-
-void nqm_mtlx_remark(graph *g, const char *text) {
-    nqm_remark_add(g->remark, sizeof g->remark, "%s", text);
-    g->reading->remark = g->remark;
 }

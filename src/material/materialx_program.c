@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Programs of the nodes of MaterialX: see materialx_program.h.
+ * Programs of the nodes of MaterialX: see materialx.h.
  */
-#include "material/materialx_program.h"
+#include "material/materialx.h"
 
-#include <string.h>
+/* MaterialX's rotate2d of a by b degrees: x cos + y sin, y cos - x sin. */
+static const char rotation[] = "bP*! cS! cC! axe*ayd*+ aye*axd*- &";
 
 size_t nqm_mtlx_width(const nqm_textured *t, uint16_t node) {
     return node == NQM_NO_NODE ? 1 : t->nodes[node].n;
@@ -86,10 +87,10 @@ static uint16_t run_token(nqm_mtlx_program *m, char token) {
     if (!strchr(".&D", token))
         return run_operation(m, token);
     const uint16_t *in = &m->stack[m->n_stack -= 2];
-    return token == '.'   ? dot_product(m->t, in[0], in[1])
-           : token == '&' ? join(m->t, in[0], in[1])
-                          : nqm_mtlx_run(&(nqm_mtlx_program){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}},
-                                         NQM_MTLX_ROTATE);
+    return token == '.' ? dot_product(m->t, in[0], in[1])
+           : token == '&'
+               ? join(m->t, in[0], in[1])
+               : nqm_mtlx_run(&(nqm_mtlx_program){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}}, rotation);
 }
 
 uint16_t nqm_mtlx_run(nqm_mtlx_program *m, const char *program) {

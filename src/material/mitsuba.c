@@ -4,7 +4,8 @@
  * model. Properties that concern sampling only are ignored; any other property that the model does not have is refused, as are
  * all other plugins.
  */
-#include "material/mitsuba.h"
+#include "material/bsdf.h"
+#include "schema/models.h"
 
 #include <math.h>
 #include <strings.h>
@@ -255,15 +256,13 @@ static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const double grey = 0.5; /* Mitsuba's default; the key is required */
     (void)bsdf;
-    if (!nqm_values_given(&r->reading.values, "kd"))
-        nqm_values_set(&r->reading.values, "kd", 1, &grey);
+    if (!nqm_values_given(&r->reading.values, "kd")) /* Mitsuba's default; the key is required */
+        nqm_values_set(&r->reading.values, "kd", 1, &(double){0.5});
     return true;
 }
 
-#define NUMBER(NAME)                                                                                                   \
-    { .name = NAME, .read = set_or_map, .key = NAME, .n = 1 }
+#define KEY(INDEX, NAME, TYPE, ...) {.name = NAME, .read = set_or_map, .key = NAME, .n = NQM_KEY_N(TYPE)},
 #define COLOUR(NAME, KEY)                                                                                              \
     { .name = NAME, .read = set_or_map, .key = KEY, .n = 3 }
 #define OWN(NAME, READ)                                                                                                \
@@ -280,16 +279,14 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
      .finish = finish_conductor,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), COLOUR("eta", "eta"), COLOUR("k", "k"),
-               NQM_RULE_LATER("material"), COLOUR("specular_reflectance", "specular_reflectance"),
-               NQM_RULE_IGNORED("sample_visible")}},
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               COLOUR("eta", "eta"), COLOUR("k", "k"), NQM_RULE_LATER("material"),
+               COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("sample_visible")}},
     {.type = "roughplastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               NQM_RULE_LATER("int_ior ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag),
                NQM_RULE_IGNORED("sample_visible")}},
     {.type = "conductor",
@@ -300,43 +297,20 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "plastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {NQM_RULE_LATER("int_ior ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag)}},
     {.type = "principled",
      .model = "principled",
-     .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("anisotropic"), NUMBER("metallic"),
-               OWN("eta", read_eta), OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"),
-               NUMBER("sheen_tint"), NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
-               NQM_RULE_WEIGHT("spec_trans", TRANSMITS, NQM_IGNORE_TRANSMISSION),
+     .rules = {OWN("eta", read_eta), OWN("specular", read_specular),
+               NQM_PRINCIPLED_KEYS(KEY) NQM_RULE_WEIGHT("spec_trans", TRANSMITS, NQM_IGNORE_TRANSMISSION),
                NQM_RULE_IGNORED(
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     /* Blender's, as doc/blender.py writes it */
     {.type = "blender-principled",
      .model = "blender-principled",
-     .rules = {COLOUR("base_color", "base_color"),
-               NUMBER("metallic"),
-               NUMBER("roughness"),
-               NUMBER("ior"),
-               NUMBER("diffuse_roughness"),
-               NUMBER("specular_ior_level"),
-               COLOUR("specular_tint", "specular_tint"),
-               NUMBER("anisotropic"),
-               NUMBER("anisotropic_rotation"),
-               NUMBER("coat_weight"),
-               NUMBER("coat_roughness"),
-               NUMBER("coat_ior"),
-               COLOUR("coat_tint", "coat_tint"),
-               NUMBER("sheen_weight"),
-               NUMBER("sheen_roughness"),
-               COLOUR("sheen_tint", "sheen_tint"),
-               NUMBER("thin_film_thickness"),
-               NUMBER("thin_film_ior"),
-               NUMBER("multiscatter"),
-               NQM_RULE_WEIGHT("transmission_weight", TRANSMITS, NQM_IGNORE_TRANSMISSION),
+     .rules = {NQM_BLENDER_KEYS(KEY) NQM_RULE_WEIGHT("transmission_weight", TRANSMITS, NQM_IGNORE_TRANSMISSION),
                NQM_RULE_ASIDE("subsurface_weight", SCATTERS, NQM_IGNORE_SUBSURFACE), /* of the base colour */
-               NQM_RULE_ASIDE("emission_strength", EMITS, NQM_IGNORE_EMISSION),
-               OPAQUE("alpha"),
+               NQM_RULE_ASIDE("emission_strength", EMITS, NQM_IGNORE_EMISSION), OPAQUE("alpha"),
                NQM_RULE_IGNORED("subsurface_radius subsurface_scale subsurface_ior subsurface_anisotropy "
                                 "emission_color")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
@@ -344,15 +318,14 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughdielectric",
      .model = "rough-conductor",
      .finish = finish_dielectric,
-     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
-               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("specular_reflectance", "specular_reflectance"),
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u alpha_v"), OWN("distribution", read_distribution),
+               NQM_RULE_LATER("int_ior ext_ior"), COLOUR("specular_reflectance", "specular_reflectance"),
                NQM_RULE_IGNORED("specular_transmittance sample_visible")}},
     {.type = "dielectric thindielectric",
      .model = "rough-conductor",
      .finish = finish_dielectric,
-     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
-               COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("specular_transmittance")}},
+     .rules = {NQM_RULE_LATER("int_ior ext_ior"), COLOUR("specular_reflectance", "specular_reflectance"),
+               NQM_RULE_IGNORED("specular_transmittance")}},
     {.type = "principledthin", .refusal = TRANSMITS},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "pplastic measured_polarized polarizer retarder circular",
@@ -364,13 +337,6 @@ static const nqm_bsdf_plugin plugins[] = {
 
 bool nqm_mitsuba_is_bsdf(const char *type) {
     return nqm_bsdf_find_plugin(plugins, type) != NULL;
-}
-
-const char *nqm_mitsuba_type_of(const char *model) {
-    const nqm_bsdf_plugin *p = plugins;
-    while (p->type && !(p->model && strcmp(p->model, model) == 0))
-        ++p;
-    return p->type;
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
@@ -501,4 +467,93 @@ nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, 
     }
     nqm_index_free(&ids);
     return status;
+}
+
+/* ---- writing: every value has the digits that read back to the same bits ------------------------------------------- */
+
+/* The plugin of a shading model. */
+static const char *type_of(const char *model) {
+    const nqm_bsdf_plugin *p = plugins;
+    while (p->type && !(p->model && strcmp(p->model, model) == 0))
+        ++p;
+    return p->type;
+}
+
+/* How a key is named and typed; keys that are not listed are numbers or colours of the same name. */
+static const struct {
+    const char *model, *key, *name;
+    const char *const words[2]; /* words for the values 0 and 1 of a whole number */
+} renamed[] = {
+    {"lambert", "kd", "reflectance", {NULL}},
+    {"rough-conductor", "distribution", "distribution", {"beckmann", "ggx"}},
+    {"rough-plastic", "distribution", "distribution", {"beckmann", "ggx"}},
+    {"rough-plastic", "nonlinear", "nonlinear", {"false", "true"}},
+    {"rough-plastic", "eta", "int_ior", {NULL}},
+};
+enum { N_RENAMED = sizeof renamed / sizeof *renamed };
+
+/* A property with its text, which is one word or numbers separated by ", "; tag: of the XML element. */
+static void write_value(FILE *stream, bool is_json, const char *tag, const char *name, const char *text) {
+    const bool is_color = strcmp(tag, "rgb") == 0, is_string = strcmp(tag, "string") == 0;
+    if (is_json)
+        fprintf(stream, ",\n    \"%s\": %s%s%s", name,
+                is_color    ? "{\"type\": \"rgb\", \"value\": ["
+                : is_string ? "\""
+                            : "",
+                text,
+                is_color    ? "]}"
+                : is_string ? "\""
+                            : "");
+    else
+        fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, name, text);
+}
+
+/* Two numbers are those along u and v. */
+static void write_property(FILE *stream, bool is_json, const nqm_values *values, size_t k) {
+    const nqm_schema_key *key = &values->schema->keys[k];
+    const double *v = values->v[k];
+    const bool is_pair = key->n == 2 && v[0] != v[1];
+    const size_t n = key->n == 3 ? 3 : 1;
+    const char *name = key->name, *word = NULL;
+    char text[100], name_of_one[50];
+    for (size_t i = 0; i < N_RENAMED; ++i)
+        if (strcmp(renamed[i].model, values->schema->model) == 0 && strcmp(renamed[i].key, key->name) == 0) {
+            name = renamed[i].name;
+            word = renamed[i].words[v[0] != 0];
+        }
+    const bool is_flag = word && nqm_contains_word("false true", word, false);
+    if (strcmp(name, "int_ior") == 0)
+        write_value(stream, is_json, "float", "ext_ior", is_json ? "1.0" : "1");
+    for (size_t c = 0; c < (is_pair ? 2 : 1); ++c) {
+        snprintf(name_of_one, sizeof name_of_one, "%s%s", name, !is_pair ? "" : c ? "_v" : "_u");
+        nqm_format_doubles(text, sizeof text, n, v + c, ", ");
+        write_value(stream, is_json,
+                    is_flag  ? "boolean"
+                    : word   ? "string"
+                    : n == 3 ? "rgb"
+                             : "float",
+                    name_of_one, word ? word : text);
+    }
+}
+
+nqm_status nqm_mitsuba_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
+                             nqm_error *err) {
+    const char *dot = strrchr(path, '.');
+    const bool is_json = dot && strcasecmp(dot, ".json") == 0;
+    fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
+    (void)err;
+    for (size_t i = 0; i < n; ++i) {
+        const nqm_values *values = &materials[i].values;
+        const char *type = type_of(values->schema->model), *name = materials[i].name;
+        if (is_json)
+            fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, type);
+        else
+            fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", type, name);
+        for (size_t k = 0; k < values->schema->n_keys; ++k)
+            if (values->given >> k & 1)
+                write_property(stream, is_json, values, k);
+        fputs(is_json ? "\n  }" : "    </bsdf>\n", stream);
+    }
+    fputs(is_json ? "\n}\n" : "</scene>\n", stream);
+    return NQM_OK;
 }

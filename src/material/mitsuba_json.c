@@ -4,8 +4,8 @@
  * without an "id" has the name of its entry, and inside of a shape that of the shape.
  */
 #include "io/io.h"
-#include "io/options_json.h"
-#include "material/mitsuba.h"
+#include "io/json.h"
+#include "material/bsdf.h"
 
 enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 256, MAX_NUMBERS = 9 };
 
@@ -59,7 +59,7 @@ static nqm_status format_spectrum(const json_t *value, char **text, nqm_error *e
     return NQM_OK;
 }
 
-/* The value of a property, as text in `text` or in the JSON. */
+/* The value of a property as text, which is in `text` or belongs to the JSON. */
 static const char *value_of(const json_t *value, char text[TEXT_SIZE]) {
     if (json_is_boolean(value))
         return json_is_true(value) ? "true" : "false";

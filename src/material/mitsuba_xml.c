@@ -5,7 +5,7 @@
  * <include> that names it.
  */
 #include "io/xml.h"
-#include "material/mitsuba.h"
+#include "material/bsdf.h"
 
 static const nqm_bsdf_word kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float integer", NQM_BSDF_NUMBER},
                                       {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING},

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Materials of pbrt-v4 scenes (pbrt_scene.c) as shadings, and shadings as such materials. `conductor`, `diffuse`,
+ * Materials of pbrt-v4 scenes (pbrt_scene.c) as shadings. `conductor`, `diffuse`,
  * `coateddiffuse`, `coatedconductor` and `measured` are read, with textures of the classes imagemap, constant, scale and
  * mix. Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as
- * "metal-Au-eta" are the RGB values of metals.c.
+ * "metal-Au-eta" are the RGB values of bsdf.c.
  */
-#include "material/pbrt.h"
+#include "material/bsdf.h"
 
 #include <math.h>
 
@@ -350,8 +350,7 @@ static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
      .model = "pbrt-conductor",
      .finish = finish_conductor,
-     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("k"), NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("roughness"),
-               NQM_RULE_LATER("uroughness"), NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NORMAL_MAP,
+     .rules = {NQM_RULE_LATER("eta k reflectance roughness uroughness vroughness remaproughness"), NORMAL_MAP,
                DISPLACEMENT}},
     {.type = "diffuse",
      .model = "lambert",
@@ -361,23 +360,21 @@ static const nqm_bsdf_plugin types[] = {
     {.type = "coateddiffuse",
      .model = "pbrt-coated-diffuse",
      .finish = finish_coated_diffuse,
-     .rules = {NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
-               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NUMBER("eta"), NUMBER("thickness"),
-               NUMBER("maxdepth"), MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP, DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER("reflectance roughness uroughness vroughness remaproughness"), NUMBER("eta"),
+               NUMBER("thickness"), NUMBER("maxdepth"), MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP,
+               DISPLACEMENT}},
     {.type = "coatedconductor",
      .model = "pbrt-coated-conductor",
      .finish = finish_coated_conductor,
-     .rules = {NQM_RULE_LATER("interface.roughness"), NQM_RULE_LATER("interface.uroughness"),
-               NQM_RULE_LATER("interface.vroughness"), NQM_RULE_LATER("conductor.roughness"),
-               NQM_RULE_LATER("conductor.uroughness"), NQM_RULE_LATER("conductor.vroughness"),
-               NQM_RULE_LATER("conductor.eta"), NQM_RULE_LATER("conductor.k"), NQM_RULE_LATER("reflectance"),
-               NQM_RULE_LATER("remaproughness"), NUMBER("interface.eta"), NUMBER("thickness"), NUMBER("maxdepth"),
-               MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP, DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER(
+                   "interface.roughness interface.uroughness interface.vroughness conductor.roughness "
+                   "conductor.uroughness conductor.vroughness conductor.eta conductor.k reflectance remaproughness"),
+               NUMBER("interface.eta"), NUMBER("thickness"), NUMBER("maxdepth"), MEDIUM, NQM_RULE_IGNORED("g nsamples"),
+               NORMAL_MAP, DISPLACEMENT}},
     {.type = "dielectric",
      .model = "pbrt-conductor",
      .finish = finish_dielectric,
-     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
-               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NORMAL_MAP, DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER("eta roughness uroughness vroughness remaproughness"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "thindielectric",
      .model = "pbrt-conductor",
      .finish = finish_dielectric,
@@ -385,13 +382,11 @@ static const nqm_bsdf_plugin types[] = {
     {.type = "diffusetransmission",
      .model = "lambert",
      .finish = finish_diffuse_transmission,
-     .rules = {NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("scale"), NQM_RULE_IGNORED("transmittance"), NORMAL_MAP,
-               DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER("reflectance scale"), NQM_RULE_IGNORED("transmittance"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "subsurface",
      .model = "pbrt-conductor",
      .finish = finish_subsurface,
-     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
-               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"),
+     .rules = {NQM_RULE_LATER("eta roughness uroughness vroughness remaproughness"),
                NQM_RULE_IGNORED("reflectance mfp name sigma_a sigma_s scale g"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "interface", .refusal = "it reflects nothing"},
@@ -434,50 +429,3 @@ nqm_status nqm_pbrt_add(const nqm_pbrt_scene *scene, size_t at, const char *type
         nqm_bsdf_read(&r, types, type);
     return nqm_reading_add(&r.reading, material->id, type, material->byte_offset, scene->materials, err);
 }
-
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
-
-static void write_material(const nqm_values *values, const char *name, FILE *stream) {
-    static const char *const written[][2] = {{"lambert", "diffuse"},
-                                             {"pbrt-conductor", "conductor"},
-                                             {"pbrt-coated-diffuse", "coateddiffuse"},
-                                             {"pbrt-coated-conductor", "coatedconductor"}};
-    char numbers[100];
-    size_t at = 0;
-    while (strcmp(written[at][0], values->schema->model) != 0)
-        ++at;
-    fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name, written[at][1]);
-    for (size_t k = 0; k < values->schema->n_keys; ++k) {
-        const nqm_schema_key *key = &values->schema->keys[k];
-        const double *v = values->v[k];
-        const bool is_pair = key->n == 2 && v[0] != v[1];
-        const char *type = key->n == 3 ? "rgb" : key->whole ? "integer" : "float";
-        if (!(values->given >> k & 1))
-            continue;
-        for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
-            fprintf(stream, "    \"%s %s%s\" [ %s ]\n", type,
-                    !is_pair ? ""
-                    : c      ? "v"
-                             : "u",
-                    at == 0 ? "reflectance" : key->name,
-                    nqm_format_doubles(numbers, sizeof numbers, key->n == 3 ? 3 : 1, v + c, " "));
-    }
-}
-
-static nqm_status write_pbrt(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
-                             nqm_error *err) {
-    (void)path;
-    (void)err;
-    for (size_t i = 0; i < n; ++i)
-        write_material(&materials[i].values, materials[i].name, stream);
-    return NQM_OK;
-}
-
-const nqm_material_format nqm_pbrt_format = {
-    .name = "pbrt-v4",
-    .extensions = ".pbrt",
-    .models = "pbrt-conductor lambert pbrt-coated-diffuse pbrt-coated-conductor",
-    .probe = nqm_pbrt_probe,
-    .read = nqm_pbrt_read,
-    .write = write_pbrt,
-};

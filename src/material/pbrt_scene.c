@@ -3,7 +3,7 @@
  * Scenes of pbrt-v4 as text (pbrt.org/fileformat-v4): tokens, declared parameters, and the directives Texture, Material,
  * MakeNamedMaterial, Include and Import; others are skipped. The nodes become materials in pbrt.c.
  */
-#include "material/pbrt.h"
+#include "material/bsdf.h"
 
 #include <ctype.h>
 
@@ -124,10 +124,10 @@ static void clear_scene(nqm_pbrt_scene *scene) {
 
 /* ---- parameters -------------------------------------------------------------------------------------------------- */
 
-typedef struct values {
+typedef struct value_text {
     char *text; /* owned; separated by blanks, strings by ends of lines */
     size_t n, max_n;
-} values;
+} value_text;
 
 static const nqm_bsdf_word kinds[] = {{"float integer", NQM_BSDF_NUMBER},
                                       {"rgb", NQM_BSDF_TRIPLE},
@@ -138,7 +138,7 @@ static const nqm_bsdf_word kinds[] = {{"float integer", NQM_BSDF_NUMBER},
                                       {NULL, NQM_BSDF_OTHER}};
 
 /* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
-static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, values *v) {
+static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, value_text *v) {
     const size_t room = strlen(s->token) + 4;
     const char *end = s->token,
                *separator = !v->n                     ? ""
@@ -160,7 +160,7 @@ static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, values *v) {
 }
 
 /* The values behind a declaration, with or without brackets. */
-static nqm_status read_values(scanner *s, nqm_bsdf_kind kind, values *v) {
+static nqm_status read_values(scanner *s, nqm_bsdf_kind kind, value_text *v) {
     nqm_status status = next(s);
     if (status != NQM_OK)
         return status;
@@ -180,7 +180,7 @@ static nqm_status read_values(scanner *s, nqm_bsdf_kind kind, values *v) {
 static nqm_status read_parameter(scanner *s) {
     const size_t blank = strcspn(s->token, " \t"), start = blank + strspn(s->token + blank, " \t");
     char declaration[MAX_TOKEN];
-    values v = {.n = 0};
+    value_text v = {.n = 0};
     memcpy(declaration, s->token, sizeof declaration);
     if (!blank || !declaration[start])
         return fail(s, "a parameter that is not declared as \"type name\"");
@@ -330,7 +330,7 @@ static nqm_status read_directives(scanner *s) {
     return status;
 }
 
-nqm_status nqm_pbrt_read(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+static nqm_status read_scene(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
     scanner s = {.scene = {.path = map->path, .names = {.key_of = key_of_named}, .materials = materials},
                  .includes = {.root = map->path, .materials = materials},
                  .path = map->path,
@@ -347,7 +347,8 @@ nqm_status nqm_pbrt_read(const nqm_map *map, nqm_materials *materials, nqm_error
     return status;
 }
 
-bool nqm_pbrt_probe(const nqm_map *map) {
+/* true when the first word is a directive of pbrt. */
+static bool probe(const nqm_map *map) {
     static const char directives[] =
         " Material MakeNamedMaterial NamedMaterial Accelerator AreaLightSource Attribute Camera "
         "AttributeBegin ColorSpace Film Identity Include Integrator LookAt MakeNamedMedium Option "
@@ -363,3 +364,50 @@ bool nqm_pbrt_probe(const nqm_map *map) {
     word[n] = 0;
     return n > 2 && s.at < s.n && is_end(s.text[s.at]) && strstr(directives, word);
 }
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static void write_material(const nqm_values *values, const char *name, FILE *stream) {
+    static const char *const written[][2] = {{"lambert", "diffuse"},
+                                             {"pbrt-conductor", "conductor"},
+                                             {"pbrt-coated-diffuse", "coateddiffuse"},
+                                             {"pbrt-coated-conductor", "coatedconductor"}};
+    char numbers[100];
+    size_t at = 0;
+    while (strcmp(written[at][0], values->schema->model) != 0)
+        ++at;
+    fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name, written[at][1]);
+    for (size_t k = 0; k < values->schema->n_keys; ++k) {
+        const nqm_schema_key *key = &values->schema->keys[k];
+        const double *v = values->v[k];
+        const bool is_pair = key->n == 2 && v[0] != v[1];
+        const char *type = key->n == 3 ? "rgb" : key->whole ? "integer" : "float";
+        if (!(values->given >> k & 1))
+            continue;
+        for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
+            fprintf(stream, "    \"%s %s%s\" [ %s ]\n", type,
+                    !is_pair ? ""
+                    : c      ? "v"
+                             : "u",
+                    at == 0 ? "reflectance" : key->name,
+                    nqm_format_doubles(numbers, sizeof numbers, key->n == 3 ? 3 : 1, v + c, " "));
+    }
+}
+
+static nqm_status write_pbrt(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
+                             nqm_error *err) {
+    (void)path;
+    (void)err;
+    for (size_t i = 0; i < n; ++i)
+        write_material(&materials[i].values, materials[i].name, stream);
+    return NQM_OK;
+}
+
+const nqm_material_format nqm_pbrt_format = {
+    .name = "pbrt-v4",
+    .extensions = ".pbrt",
+    .models = "pbrt-conductor lambert pbrt-coated-diffuse pbrt-coated-conductor",
+    .probe = probe,
+    .read = read_scene,
+    .write = write_pbrt,
+};

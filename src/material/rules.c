@@ -85,15 +85,13 @@ bool nqm_reading_unused(nqm_reading *r, const char *name) {
     return true;
 }
 
-bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property) {
+bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property, bool is_repeated) {
     const nqm_rule *rule = nqm_rule_find(r->rules, name);
     if (!rule)
         return nqm_refuse(r, property, "%s has no %s '%.40s'", r->owner, r->source->term, name ? name : "");
-    const uint64_t bit = (uint64_t)1 << (rule - r->rules);
-    if (r->given & bit && rule->read != nqm_rule_ignore)
+    if (is_repeated && rule->read)
         return nqm_refuse(r, property, "%s is given twice", name);
-    r->given |= bit;
-    if (rule->read == nqm_rule_ignore || (rule->gate && is_off(r, rule->gate)))
+    if (!rule->read || (rule->gate && is_off(r, rule->gate)))
         return nqm_reading_unused(r, name);
     return rule->read(r, rule, property);
 }
@@ -151,15 +149,9 @@ bool nqm_rule_neutral(nqm_reading *r, const nqm_rule *rule, const void *property
     return true;
 }
 
-bool nqm_rule_ignore(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    (void)r;
-    (void)rule;
-    (void)property;
-    return true;
-}
-
 bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    return nqm_rule_ignore(r, rule, property);
+    (void)r, (void)rule, (void)property;
+    return true;
 }
 
 enum { MAX_MIXTURE = 8000 }; /* characters of its parts; each level of mixtures may double them */
@@ -211,8 +203,6 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
     char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_values_spec(&r->values) : NULL;
     char words[NQM_IGNORE_SIZE];
-    if (r->remark)
-        nqm_textured_remark(t, r->remark);
     if (spec && r->metal) {
         char *mixture = nqm_strdupf("between:t=%.17g;with=(%s);of=%s", r->metal_share, r->metal, spec);
         nqm_free(spec);
@@ -235,7 +225,7 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
         t->values = r->values;
-        nqm_materials_attach(materials, t, true);
+        nqm_materials_attach(materials, t);
     } else
         nqm_textured_free(t);
     r->textured = NULL;

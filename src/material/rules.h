@@ -16,36 +16,31 @@ typedef struct nqm_reading nqm_reading;
 typedef bool nqm_rule_read(nqm_reading *r, const nqm_rule *rule, const void *property);
 
 struct nqm_rule {
-    const char *name; /**< in the file; of nqm_rule_ignore() one or more, separated by blanks; NULL ends a list */
-    nqm_rule_read *read;
-    const char *key; /**< of the shading, if the rule sets one */
-    size_t n;        /**< values: 1, 3 for a colour, 4 for a colour with alpha */
+    const char *name;    /**< in the file, one or more, separated by blanks; NULL ends a list */
+    nqm_rule_read *read; /**< NULL: the properties have no effect on a BRDF */
+    const char *key;     /**< of the shading, if the rule sets one */
+    size_t n;            /**< values: 1, 3 for a colour, 4 for a colour with alpha */
     double value; /**< of every channel of a missing property; of nqm_rule_neutral(), the only one that is accepted */
     const char *why;  /**< nqm_rule_neutral(): why other values are refused */
     const char *gate; /**< the property has no effect where those of these names are 0; NULL: it always has */
     const char *type; /**< of the values in the file, in formats that name it */
     unsigned
-        ignorable; /**< nqm_rule_neutral(): what other values mean, NQM_IGNORE_...; the material is refused unless that is ignored */
-    bool
-        is_weight; /**< of the transmission or subsurface scattering, which takes the place of the diffuse reflection */
+        ignorable;  /**< nqm_rule_neutral(): NQM_IGNORE_... of other values, which refuse it unless that is ignored */
+    bool is_weight; /**< of transmission or subsurface scattering, in the place of the diffuse reflection */
 };
 
 /** Set the key of the model. */
 nqm_rule_read nqm_rule_set;
 /** Refuse values other than that of the rule. */
 nqm_rule_read nqm_rule_neutral;
-/** The properties have no effect on a BRDF. */
-nqm_rule_read nqm_rule_ignore;
-/** Code for the whole material reads the property, because others change its meaning. */
+/** Code for the whole material reads the properties, because others change their meaning. */
 nqm_rule_read nqm_rule_later;
 
 /** Rules that several formats have. */
 #define NQM_RULE_IGNORED(NAMES)                                                                                        \
-    { .name = (NAMES), .read = nqm_rule_ignore }
-#define NQM_RULE_LATER(NAME)                                                                                           \
-    { .name = (NAME), .read = nqm_rule_later }
-#define NQM_RULE_ZERO(NAME, WHY)                                                                                       \
-    { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY) }
+    { .name = (NAMES) }
+#define NQM_RULE_LATER(NAMES)                                                                                          \
+    { .name = (NAMES), .read = nqm_rule_later }
 #define NQM_RULE_WEIGHT(NAME, WHY, IGNORABLE)                                                                          \
     { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY), .ignorable = (IGNORABLE), .is_weight = true }
 #define NQM_RULE_ASIDE(NAME, WHY, IGNORABLE)                                                                           \
@@ -77,9 +72,7 @@ struct nqm_reading {
     const nqm_rule *rules;
     const char *owner;            /**< what has the properties, for messages */
     nqm_values values;            /**< schema NULL: of a measured file */
-    const char *remark;           /**< on the material (nqm_material_info); of the reader; NULL: none */
     const char *file;             /**< of a measured material; NULL: the shading is the result */
-    uint64_t given;               /**< bit i: rule i has been applied */
     char unused[NQM_REMARK_SIZE]; /**< nqm_material_info.unused */
     nqm_textured
         *textured; /**< what is computed; the material varies over the surface if that has outputs or a normal */
@@ -106,8 +99,8 @@ __attribute__((format(printf, 4, 5))) bool nqm_set_aside(nqm_reading *r, unsigne
 void nqm_reading_reflect(nqm_reading *r);
 /** Name a property that has no effect; true. */
 bool nqm_reading_unused(nqm_reading *r, const char *name);
-/** Apply the rule for a property; false: the material is refused. */
-bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
+/** Apply the rule for a property; is_repeated: there is one of this name before it. false: the material is refused. */
+bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property, bool is_repeated);
 /** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
 /** Let the material be the mixture (1 - t) of + t with; each is a constant material, or what of it reflects. t: 0 to 1. false: refused. */

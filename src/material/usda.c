@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * USD as text (.usda; openusd.org, "USDA File Format Specification" and UsdShade): materials with a UsdPreviewSurface
- * or the shaders of MaterialX ("ND_standard_surface_surfaceshader"). This file reads one layer as prims, usda_compose.c composes
+ * or the shaders of MaterialX ("ND_standard_surface_surfaceshader"). This file reads one layer as prims and composes
  * them, and usda_material.c makes a document of MaterialX of them, whose reader does the rest, textures included. Variants and
  * other layers are not read. Binary layers (crate, .usdc) and packages (.usdz) are recognised, to say what to do with them.
  */

@@ -52,8 +52,6 @@ size_t nqm_last_not_above(const double *value, size_t n, double x);
 
 /* ---- range checks ------------------------------------------------------------------------------------------------ */
 
-/** Whether all n values are finite and at least `least`. */
-bool nqm_all_within(size_t n, const float *value, float least);
 /** Index of the first value that is not finite or is below `least`; n when there is none. */
 size_t nqm_first_outside(size_t n, const float *value, float least);
 

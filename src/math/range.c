@@ -1,32 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * Checks that all values of an array are finite and at least a limit; vectorised, because it checks whole files.
+ * The first value of an array that is out of a range, by whole vectors, because it checks whole files; and a binary search.
  */
 #include "math/math.h"
 
 #include <float.h>
 
-static bool is_within(float value, float least) {
-    return value >= least && value <= FLT_MAX; /* false for NaN */
-}
-
-bool nqm_all_within(size_t n, const float *value, float least) {
-    enum { LANES = 16 }; /* a constant number of inner iterations lets the compiler vectorise the loop */
-    uint32_t bad[LANES] = {0}, any = 0;
-    size_t i = 0;
-    for (; i + LANES <= n; i += LANES)
-        for (size_t k = 0; k < LANES; ++k)
-            bad[k] |= (uint32_t) !(value[i + k] >= least) | (uint32_t) !(value[i + k] <= FLT_MAX);
-    for (; i < n; ++i)
-        any |= !is_within(value[i], least);
-    for (size_t k = 0; k < LANES; ++k)
-        any |= bad[k];
-    return any == 0;
+static bool is_outside(float value, float least) {
+    return !(value >= least && value <= FLT_MAX); /* true for NaN */
 }
 
 size_t nqm_first_outside(size_t n, const float *value, float least) {
+    enum { LANES = 16 }; /* a constant number of inner iterations lets the compiler vectorise the loop */
     size_t i = 0;
-    while (i < n && is_within(value[i], least))
+    for (uint32_t any = 0; i + LANES <= n; i += LANES) {
+        for (size_t k = 0; k < LANES; ++k)
+            any |= (uint32_t) !(value[i + k] >= least) | (uint32_t) !(value[i + k] <= FLT_MAX);
+        if (any)
+            break;
+    }
+    while (i < n && !is_outside(value[i], least))
         ++i;
     return i;
 }

@@ -16,7 +16,7 @@ nqm_status nqm_composer_create(const nqm_model *model, size_t max_batch, nqm_com
     const size_t n_tasks = nqm_smaller(max_batch, nqm_larger(n_threads, nqm_ceil_div(max_batch, NQM_COMPARE_MAX)));
     nqm_composer *c, made = {.model = model,
                              .samples_width = samples_width,
-                             .stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model)),
+                             .stride = nqm_row_stride(samples_width + model->scalars.n),
                              .n_threads = n_threads};
     const size_t n_rows = nqm_model_has_network(model) ? max_batch : 0;
     nqm_status status = nqm_alloc_arrays(
@@ -50,10 +50,10 @@ size_t nqm_composer_task(const nqm_composer *c, size_t n) {
 }
 
 static bool needs_sums(const nqm_composer *c, bool with_metrics) {
-    return nqm_model_n_scalars(c->model) > 0 || c->model->transport || with_metrics;
+    return c->model->scalars.n > 0 || c->model->transport || with_metrics;
 }
 
-/* The number of pairs from the first on that have its reference. */
+/* How many pairs at the beginning have the same reference. */
 static size_t run_of(size_t n, const nqm_sample_pair *pairs) {
     size_t run = 1;
     while (run < n && pairs[run].ref == pairs[0].ref)
@@ -86,13 +86,13 @@ void nqm_compose_samples(const nqm_composer *c, size_t task, size_t first, size_
                                      c->x + c->stride * (first + begin + i));
         }
         if (needs_sums(c, with_metrics))
-            nqm_compare_sums(c->plan, run, pairs + begin, root, nqm_model_n_scalars(m) > 0, c->sums + first + begin);
+            nqm_compare_sums(c->plan, run, pairs + begin, root, m->scalars.n > 0, c->sums + first + begin);
     }
 }
 
 void nqm_compose_scalars(const nqm_composer *c, size_t first, size_t n, double *metrics) {
     const nqm_model *m = c->model;
-    const bool with_scalars = nqm_model_n_scalars(m) > 0;
+    const bool with_scalars = m->scalars.n > 0;
     for (size_t i = first; (with_scalars || metrics) && i < first + n; ++i) {
         double *scalars = with_scalars ? c->scalars + i * NQM_SCALAR_COUNT : NULL;
         nqm_compare_finish(&c->sums[i], m->transport ? &c->estimate[i] : NULL,

@@ -2,7 +2,7 @@
  *
  * Golden scores: computed when a model is created, stored in its file, checked by the self-test.
  */
-#include "io/options_json.h"
+#include "io/json.h"
 #include "metric/metric.h"
 
 #include <math.h>

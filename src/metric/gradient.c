@@ -142,7 +142,7 @@ static void differentiate_inputs(const gradient_job *job, size_t i, float *root,
     nqm_sample_logs(n, p->test, root + n, scratch);
     nqm_features_gradient(&g->model->features, n_directions, root + n, p->used, c->x + i * c->stride,
                           g->dx + i * c->stride, out);
-    if (nqm_model_n_scalars(g->model) > 0)
+    if (g->model->scalars.n > 0)
         add_scalars_gradient(job, i, root, root + n, out);
 }
 

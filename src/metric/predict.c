@@ -65,7 +65,7 @@ static void run_task(void *user, size_t task) {
     const nqm_composer *c = job->predictor->inputs;
     const nqm_transport t = nqm_model_transport(c->model);
     const size_t first = task * job->n_at_once, n = nqm_smaller(job->n_at_once, job->n - first);
-    const bool with_scalars = nqm_model_n_scalars(c->model) > 0;
+    const bool with_scalars = c->model->scalars.n > 0;
     if (t.light)
         nqm_transport_estimates(&t, n, job->pairs + first, c->estimate + first, c->looks + first);
     nqm_compose_samples(c, task, first, n, job->pairs + first, job->metrics);
@@ -91,7 +91,7 @@ static nqm_label bounded_label(const nqm_model *model, const float *z, const nqm
 static double spread_of(const nqm_predictor *p, size_t i, double jod) {
     const double *scalars = p->inputs->scalars + i * NQM_SCALAR_COUNT;
     double features[NQM_SPREAD_FEATURES];
-    if (!nqm_model_has_spread(p->model) || nqm_model_n_scalars(p->model) == 0 || !isfinite(jod))
+    if (!nqm_model_has_spread(p->model) || p->model->scalars.n == 0 || !isfinite(jod))
         return 0;
     nqm_spread_features(p->model, jod, scalars[NQM_SCALAR_ESTIMATE], scalars[NQM_SCALAR_REF_PEAK], features);
     return nqm_model_spread(p->model, features);

@@ -14,22 +14,20 @@ enum { N_BUCKETS = 1 << 14 };
 struct nqm_sample_cache {
     const nqm_model *model;
     nqm_invalid_policy policy;
-    nqm_member_sampler sample;
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
     nqm_argument_files *files;
     nqm_cached *bucket[N_BUCKETS];
 };
 
-nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy, nqm_member_sampler sample,
-                                   nqm_sample_cache **cache_ret, nqm_error *err) {
+nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy, nqm_sample_cache **cache_ret,
+                                   nqm_error *err) {
     *cache_ret = NULL;
     nqm_sample_cache *cache = nqm_alloc(1, sizeof *cache);
     if (!cache)
         return nqm_fail_nomem(err, sizeof *cache);
     cache->model = model;
     cache->policy = policy;
-    cache->sample = sample;
     cache->files = nqm_argument_files_create();
     if (cache->files)
         *cache_ret = cache;
@@ -142,7 +140,7 @@ static void fill_entry(void *user, size_t i) {
     nqm_status status = nqm_subject_open(&entry->subject, job->cache->files, &brdf, &entry->err);
     entry->member = (nqm_member){.status = status, .rgb = entry->rgb};
     if (status == NQM_OK)
-        entry->member = job->cache->sample(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
+        entry->member = nqm_sample_member(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
     nqm_brdf_free(brdf);
     status = entry->err.status = entry->member.status;
     if (status != NQM_OK)

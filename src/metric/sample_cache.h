@@ -9,8 +9,8 @@
 #include "metric/metric.h"
 
 /** Sample an opened BRDF into rgb (n_directions, 3) and flag (n_directions), which must outlive the member. */
-typedef nqm_member (*nqm_member_sampler)(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy,
-                                         float *rgb, uint8_t *flag, nqm_error *err);
+nqm_member nqm_sample_member(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
+                             uint8_t *flag, nqm_error *err);
 
 /** A BRDF. `member` and `err` are set by nqm_sample_cache_fill(). */
 typedef struct nqm_cached {
@@ -29,8 +29,7 @@ typedef struct nqm_sample_cache nqm_sample_cache;
 
 /** The model must outlive the cache. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy,
-                                                  nqm_member_sampler sample, nqm_sample_cache **cache_ret,
-                                                  nqm_error *err);
+                                                  nqm_sample_cache **cache_ret, nqm_error *err);
 void nqm_sample_cache_free(nqm_sample_cache *cache);
 
 /** Find or create the entry of a BRDF and mark it as the most recently used; NULL when out of memory. The entry is

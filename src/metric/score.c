@@ -128,8 +128,8 @@ static size_t count_unusual(const nqm_model *model, const float *rgb) {
     return n_unusual;
 }
 
-static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
-                                uint8_t *flag, nqm_error *err) {
+nqm_member nqm_sample_member(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
+                             uint8_t *flag, nqm_error *err) {
     nqm_member member = {.rgb = rgb, .flag = flag};
     const nqm_directions *d = model->directions;
     member.status = nqm_sample(brdf, d, policy, rgb, flag, &member.report, err);
@@ -201,8 +201,8 @@ static void compare(void *user, size_t i) {
     const size_t n = s->model->directions->n, place = s->place[i];
     uint8_t *used = s->used + n * place;
     if (s->brdfs)
-        *test = sample_member(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
-                              s->flag + n * (1 + i), NULL);
+        *test = nqm_sample_member(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
+                                  s->flag + n * (1 + i), NULL);
     if (ref->n_unusual == not_counted) { /* here, by all threads */
         ref->n_unusual = count_unusual(s->model, ref->rgb);
         test->n_unusual = count_unusual(s->model, test->rgb);
@@ -301,7 +301,7 @@ nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_test
     if (status != NQM_OK)
         return status;
     const nqm_member member =
-        sample_member(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
+        nqm_sample_member(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
     if (member.status != NQM_OK)
         return member.status;
     for (size_t begin = 0, n; status == NQM_OK && begin < n_tests; begin += n) {
@@ -362,8 +362,7 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const nq
 
 /* Find or sample n BRDFs; entry (n) receives their cache entries. */
 static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_subject *subjects, nqm_cached **entry, nqm_error *err) {
-    nqm_status status =
-        s->cache ? NQM_OK : nqm_sample_cache_create(s->model, s->options.invalid, sample_member, &s->cache, err);
+    nqm_status status = s->cache ? NQM_OK : nqm_sample_cache_create(s->model, s->options.invalid, &s->cache, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         entry[i] = nqm_sample_cache_get(s->cache, &subjects[i]);
         if (!entry[i])
@@ -424,10 +423,9 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
 
 static nqm_status check_samples(const nqm_model *model, size_t pair, const char *member, const float *rgb,
                                 nqm_error *err) {
-    const size_t n = 3 * model->directions->n;
-    if (nqm_all_within(n, rgb, 0))
+    const size_t n = 3 * model->directions->n, i = nqm_first_outside(n, rgb, 0);
+    if (i == n)
         return NQM_OK;
-    const size_t i = nqm_first_outside(n, rgb, 0);
     return nqm_fail(err, NQM_ERR_ARG, -1,
                     "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative", pair,
                     member, (double)rgb[i], i / 3);

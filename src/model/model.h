@@ -114,10 +114,6 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 extern const char *const nqm_layout_words[], *const nqm_target_words[];
 /** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
 const char *nqm_scalar_name(size_t i);
-/** Number of scalar features in the model's input. */
-static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
-    return model->scalars.n;
-}
 /** Why a table (n, 3) of finite values cannot be struct nqm_model.interval; NULL: it can. */
 const char *nqm_interval_table_fault(size_t n, const double *table);
 /** Interpolate the interval around `jod` (finite) in a table (n, 3). */
@@ -220,11 +216,6 @@ void nqm_novelty_features(const nqm_model *model, const double *scalars, float *
 /** The packed network of a model, created by the first call; owned by the model. Any thread. */
 NQM_MUST_CHECK nqm_status nqm_model_inference(const nqm_model *model, const nqm_inference_net **net_ret,
                                               nqm_error *err);
-
-/** A model from the n_bytes of a model file in memory, which are copied: they may be freed afterwards. The checks and errors of
- *  nqm_model_load() but NQM_ERR_IO; `name` is for messages. */
-NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name,
-                                                nqm_model **model_ret, nqm_error *err);
 
 /** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
 NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);

@@ -185,7 +185,7 @@ static nqm_status read_scalars(const reader *r, struct nqm_model *model) {
 }
 
 static nqm_status read_directions(reader *r, struct nqm_model *model) {
-    size_t width = model->params.shape.sizes[0], n_scalars = nqm_model_n_scalars(model);
+    size_t width = model->params.shape.sizes[0], n_scalars = model->scalars.n;
     size_t per_direction = nqm_features_width(model->features.layout, 1);
     size_t n = width > n_scalars ? (width - n_scalars) / per_direction : 0;
     const nqm_tensor *tensor = nqm_safetensors_find(r->st, "directions_deg");
@@ -391,23 +391,6 @@ nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_e
         (*model_ret)->file = map;
     else
         nqm_map_close(&map);
-    return status;
-}
-
-nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name, nqm_model **model_ret,
-                                 nqm_error *err) {
-    NQM_MAKE(err, model_ret, name);
-    NQM_REQUIRE_IF(n_bytes, err, data);
-    unsigned char *copy = nqm_alloc(n_bytes, 1);
-    if (!copy)
-        return nqm_fail_nomem(err, n_bytes);
-    if (n_bytes)
-        memcpy(copy, data, n_bytes);
-    nqm_status status = nqm_model_parse(copy, n_bytes, name, true, model_ret, err);
-    if (status == NQM_OK && !(*model_ret)->memory)
-        (*model_ret)->memory = copy;
-    else
-        nqm_free(copy);
     return status;
 }
 

@@ -4,7 +4,7 @@
  * a CSV are borrowed from its reader; texts of JSON Lines are owned by the list. Cells take few bytes, because those of a file
  * may have one or two.
  */
-#include "io/options_json.h"
+#include "io/json.h"
 #include "pairs/pairs.h"
 
 #include <stdlib.h>

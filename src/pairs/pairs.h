@@ -71,6 +71,10 @@ char *nqm_pairs_join(const char *a, const char *b);
 bool nqm_pairs_describe_distance(const char *argument, const double distance_deg[2], size_t n, char *text);
 /** What "ignore:WORDS:" of an argument means, for people; false: it has none. */
 bool nqm_pairs_describe_ignored(const char *argument, size_t n, char *text);
+enum { NQM_VERDICT_TEXT = 64 };
+/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different",
+ *  "identical"; "" without a score. text: (NQM_VERDICT_TEXT). Returns text or a static string. */
+const char *nqm_verdict(const nqm_score_result *result, char *text);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *nqm_verdict_words(double jod);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */

@@ -261,7 +261,7 @@ static double second(size_t i) {
     return golden - floor(golden);
 }
 
-/* Append every second direction of one technique. */
+/* Append the even (half 0) or odd (half 1) directions of a technique. */
 static void add_technique(sampler *s, size_t technique, size_t half, uint64_t seed, nqm_direction_set *set) {
     size_t n = s->n[technique];
     uint64_t shift_u = nqm_hash_u64(seed, 2 * technique), shift_v = nqm_hash_u64(seed, 2 * technique + 1);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Samples a BRDF at a direction set, with a policy for directions at which the BRDF has no value.
+ * Samples a BRDF at a direction set, with a policy for directions at which the BRDF has no value; and samples as files of the
+ * paper's authors (doc/files.md): r, g, b and random_locations in MAT v5.
  */
 #include "brdf/brdf.h"
+#include "io/io.h"
 #include "math/math.h"
 #include "sample/sample.h"
 
@@ -112,5 +114,22 @@ nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nq
     if (report)
         *report = count_flags(n, flags);
     nqm_free(own);
+    return status;
+}
+
+nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, directions, rgb, path);
+    size_t n = directions->n;
+    double *planes = nqm_alloc(n, 3 * sizeof *planes);
+    if (!planes)
+        return nqm_fail_nomem(err, n * 3 * sizeof *planes);
+    for (size_t i = 0; i < 3 * n; ++i)
+        planes[i % 3 * n + i / 3] = (double)rgb[i];
+    const nqm_mat_variable variables[] = {{"r", n, 1, planes},
+                                          {"g", n, 1, planes + n},
+                                          {"b", n, 1, planes + 2 * n},
+                                          {"random_locations", n, 3, directions->degrees}};
+    nqm_status status = nqm_mat_write(path, sizeof variables / sizeof variables[0], variables, err);
+    nqm_free(planes);
     return status;
 }

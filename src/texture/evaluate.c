@@ -5,7 +5,6 @@
  */
 #include "texture/texture.h"
 
-#include "material/color_space.h"
 #include <math.h>
 
 enum { BLOCK = NQM_TEXEL_BLOCK };

@@ -196,20 +196,6 @@ static nqm_status score_mean(nqm_texture_job *job, const nqm_model *anisotropic,
     return status;
 }
 
-static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
-    nqm_texel_sample samples[MAX_MEMBERS];
-    const nqm_model *anisotropic = NULL;
-    size_t n = 0;
-    nqm_status status = job->has_normals ? nqm_scorer_anisotropic(job->scorer, &anisotropic, err) : NQM_OK;
-    if (status == NQM_OK && job->has_normals)
-        status = choose_tilted(job, samples, &n, err);
-    else
-        n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
-    if (status == NQM_OK)
-        status = score_mean(job, anisotropic, n, samples, score, err);
-    return status;
-}
-
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
 /* Texels of the pixel that contains a texel: all, or one in each of the cells of a grid. chosen: (MAX_MEMBERS). */
@@ -253,8 +239,17 @@ nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *sa
 }
 
 nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
+    nqm_texel_sample samples[MAX_MEMBERS];
     nqm_score_result score = {.jod = NAN};
-    nqm_status status = score_means(job, &score, err);
+    const nqm_model *anisotropic = NULL;
+    size_t n = 0;
+    nqm_status status = job->has_normals ? nqm_scorer_anisotropic(job->scorer, &anisotropic, err) : NQM_OK;
+    if (status == NQM_OK && job->has_normals)
+        status = choose_tilted(job, samples, &n, err);
+    else
+        n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
+    if (status == NQM_OK)
+        status = score_mean(job, anisotropic, n, samples, &score, err);
     result->far_jod[0] = score.jod;
     result->far_jod[1] = score.jod_low;
     result->far_jod[2] = score.jod_high;

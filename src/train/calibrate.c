@@ -4,7 +4,7 @@
  * trained on, or notes in the model card. The results of a calibration are stored in the metadata and in the card.
  */
 #include "train/calibrate.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "metric/metric.h"
 
 #include <math.h>

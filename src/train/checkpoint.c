@@ -6,7 +6,7 @@
  * dataset.
  */
 #include "io/io.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "train/train.h"
 
 #include <stdlib.h>

@@ -157,7 +157,7 @@ static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, si
 
 nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *d, nqm_error *err) {
     forget_points(model);
-    if (nqm_model_n_scalars(model) == 0)
+    if (model->scalars.n == 0)
         return NQM_OK;
     size_t n = 0, *pairs = nqm_alloc(d->n_pairs, sizeof *pairs);
     if (!pairs)
@@ -188,7 +188,7 @@ static void measure_novelty(struct nqm_model *model, const nqm_comparison *compa
 nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, nqm_residuals *r, nqm_error *err) {
     double *novelty = r->novelty, *features = r->spread;
     r->novelty = r->spread = NULL;
-    if (nqm_model_n_scalars(model) == 0)
+    if (model->scalars.n == 0)
         return NQM_OK;
     nqm_comparison *compared;
     double *sorted = nqm_alloc(r->n, sizeof *sorted);

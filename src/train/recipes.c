@@ -4,7 +4,7 @@
  * (the authors' notebook where it differs) and "nqm" (values that were chosen on validation materials,
  * doc/training.md).
  */
-#include "io/options_json.h"
+#include "io/json.h"
 #include "train/train.h"
 
 #define FIELD(member) .offset = offsetof(nqm_train_options, member)

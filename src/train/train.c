@@ -4,7 +4,7 @@
  * The same dataset, options and seed give the same model, in one run or in several, on any number of threads.
  */
 #include "train/train.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "percept/percept.h"

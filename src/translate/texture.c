@@ -8,7 +8,6 @@
 #include "translate/translate.h"
 
 #include "fit/fit.h"
-#include "material/color_space.h"
 #include "material/gltf.h"
 #include "schema/models.h"
 #include "texture/score.h"

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Scores in Python: equal to those of the tool, gradients against central differences, many pairs, errors."""
+import csv
 import json
 import math
 import os
+import pickle
 import tempfile
 import unittest
 
@@ -99,6 +101,17 @@ class Scores(unittest.TestCase):
         kept = nqm.score("lambert:kd=.3", [empty, "lambert:kd=.3", "/nowhere"], errors="keep")
         self.assertEqual([s.error.code if s.error else 0 for s in kept], [5, 0, 3])
         self.assertTrue(math.isnan(kept[0].jod) and math.isnan(kept[2].jod) and kept[1].jod == 10)
+        self.assertEqual([s.parts is None for s in kept], [True, False, True])  # not "no visible difference"
+        self.assertEqual([(s.verdict, s.row["words"]) for s in kept], [("", ""), ("identical", "no visible difference"), ("", "")])
+
+    def test_row(self):
+        score = nqm.score("sgd:nickel", "ward:nickel")
+        of_tool, = csv.DictReader(run_tool("score", "sgd:nickel", "ward:nickel", "--csv").decode().splitlines())
+        of_python = score.row
+        self.assertEqual([k for k in of_tool if k not in ("name", "warnings", "error")], list(of_python))
+        for name, value in of_python.items():
+            self.assertEqual(of_tool[name], value if isinstance(value, str) else "%.9g" % value, name)
+        self.assertEqual(pickle.loads(pickle.dumps(score)).row, of_python)
 
     def test_many(self):
         brdf = nqm.BRDF.open("sgd:nickel")

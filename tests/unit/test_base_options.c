@@ -3,7 +3,7 @@
  * Options described by a table: defaults of recipes, parsing of values, ranges, words, names, and JSON.
  */
 #include "base/options.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "support/check.h"
 
 typedef struct paint {

@@ -4,7 +4,7 @@
  * another text, or blames it. The tool ends.
  */
 #include "io/io.h"
-#include "io/options_json.h"
+#include "io/json.h"
 #include "material/material.h"
 #include "nqm/score/score.h"
 #include "support/check.h"

@@ -4,7 +4,7 @@
  * inconsistent files, and other formats, are refused with a message that says what to do.
  */
 #include "base/memory_test.h"
-#include "io/raster_decoders.h"
+#include "io/raster.h"
 #include "support/check.h"
 #include "support/damage.h"
 #include "support/pictures.h"

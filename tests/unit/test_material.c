@@ -118,7 +118,7 @@ TEST(maps_of_a_file_have_a_limit) {
     add(p, "</materialx>");
     const nqm_map map = {.data = (const unsigned char *)p->text, .n_bytes = p->n, .path = "x.mtlx"};
     assert_int_equal(nqm_materials_read(&map, &materials, NULL), NQM_OK);
-    while (n_maps < N_MATERIALS && nqm_materials_textured(materials, n_maps))
+    while (n_maps < N_MATERIALS && nqm_materials_maps(materials, n_maps, 0))
         ++n_maps;
     assert_in_range(n_maps, 128, N_MATERIALS - 1);
     for (size_t i = n_maps; i < N_MATERIALS; ++i)

@@ -5,11 +5,10 @@
  * their primaries.
  */
 #include "io/xml.h"
-#include "material/color_space.h"
+#include "material/bsdf.h"
 #include "material/gltf.h"
 #include "material/material.h"
 #include "material/materialx.h"
-#include "material/mitsuba.h"
 #include "support/check.h"
 #include "support/material_text.h"
 #include "support/rows.h"

@@ -20,7 +20,7 @@ static void check_material(const char *path, const char *name, const char *surfa
     assert_true(i < nqm_materials_count(materials));
     const nqm_material_info info = nqm_materials_get(materials, i);
     assert_string_equal(info.surface, surface);
-    if (!nqm_materials_textured(materials, i) == is_textured)
+    if (!nqm_materials_maps(materials, i, 0) == is_textured)
         fail_msg("%s:%s: %s", path, name, info.refusal);
     if (strcmp(verdict, "accepted") != 0) {
         if (!info.refusal || strncmp(info.refusal, verdict, strlen(verdict)) != 0)

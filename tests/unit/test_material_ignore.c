@@ -106,7 +106,7 @@ TEST(test_maps) {
     assert_string_equal(info.ignorable, "transmission");
     assert_null(info.reflection);
     assert_int_equal(info.n_maps, 0);
-    assert_null(nqm_materials_textured(materials, 0));
+    assert_null(nqm_materials_maps(materials, 0, 0));
     const nqm_textured *t = nqm_materials_maps(materials, 0, NQM_IGNORE_TRANSMISSION);
     assert_non_null(t);
     assert_int_equal(t->n_outputs, 1);

@@ -126,7 +126,7 @@ static void check_material(const material_text *t, const nqm_materials *material
         expect(t, is_accepted ? spec : info.refusal, t->words);
     if (spec)
         nqm_brdf_free(must_open(spec));
-    const nqm_textured *maps = nqm_materials_textured(materials, n - 1);
+    const nqm_textured *maps = nqm_materials_maps(materials, n - 1, 0);
     if (is_textured && !maps)
         FAIL(t, "no maps: %s", info.refusal);
     char *next = t->lines;

@@ -30,15 +30,15 @@ static nqm_materials *read_material(const char *members, const char *arrays) {
 }
 
 static const nqm_textured *maps_of(const nqm_materials *materials) {
-    if (!nqm_materials_textured(materials, 0))
+    if (!nqm_materials_maps(materials, 0, 0))
         fail_msg("no maps: %s", nqm_materials_get(materials, 0).refusal);
-    return nqm_materials_textured(materials, 0);
+    return nqm_materials_maps(materials, 0, 0);
 }
 
 static void check_refused(const char *members, const char *arrays, const char *words) {
     nqm_materials *materials = read_material(members, arrays);
     const nqm_material_info info = nqm_materials_get(materials, 0);
-    assert_null(nqm_materials_textured(materials, 0));
+    assert_null(nqm_materials_maps(materials, 0, 0));
     if (!info.refusal || !strstr(info.refusal, words))
         fail_msg("%s: %s, not '%s'", members, info.refusal, words);
     nqm_materials_free(materials);
@@ -137,7 +137,7 @@ TEST(binary_chunks_are_found) {
     for (size_t i = 0; i < 2; ++i) { /* the chunk is shorter than the buffer */
         make_glb(b, arrays, sizes[i]);
         materials = bytes_as_materials("y.glb", b, bin + sizes[i]);
-        assert_null(nqm_materials_textured(materials, 0));
+        assert_null(nqm_materials_maps(materials, 0, 0));
         assert_non_null(strstr(nqm_materials_get(materials, 0).refusal, "are not in buffers[0]"));
         nqm_materials_free(materials);
     }
@@ -162,8 +162,8 @@ TEST(decoded_images_are_bounded) {
         n += (size_t)sprintf(text + n, "%s{" NORMAL("0") "}", i ? "," : "");
     n += (size_t)sprintf(text + n, "]}");
     nqm_materials *materials = bytes_as_materials("x.gltf", text, n);
-    assert_non_null(nqm_materials_textured(materials, 9));
-    assert_null(nqm_materials_textured(materials, MATERIALS - 1));
+    assert_non_null(nqm_materials_maps(materials, 9, 0));
+    assert_null(nqm_materials_maps(materials, MATERIALS - 1, 0));
     assert_non_null(strstr(nqm_materials_get(materials, MATERIALS - 1).refusal, "store the file as .glb"));
     nqm_materials_free(materials);
     free(text);

@@ -5,6 +5,7 @@
  * process of its own, whose largest resident set is compared with that of a process that reads nothing.
  */
 #include "brdf/formats/format.h"
+#include "io/json.h"
 #include "io/xml.h"
 #include "pairs/pairs.h"
 #include "support/check.h"

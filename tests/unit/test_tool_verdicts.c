@@ -44,6 +44,46 @@ TEST(verdicts_are_those_of_the_interval) {
     assert_string_equal(nqm_verdict(&r, text), "");
 }
 
+/* Each number of a result is in the column of its name, and one without a score is in none. */
+TEST(columns_have_the_values_of_the_result) {
+    nqm_score_result r = scored(9.2, 8.5, 9.6);
+    nqm_texture_result t = {.median = 9.75, .far_jod = {9, 8, 9.5}};
+    r.identical = 0, r.n_valid = 1800, r.similarity[0] = 9.1, r.metrics[NQM_METRIC_MAE] = 0.25;
+    r.parts = (nqm_label){.shift = {-4, 0, 5}, .contrast = 0.5, .structure = 2};
+    static const struct {
+        const char *name, *object, *member;
+        double value;
+    } expected[] = {{"jod", "", "jod", 9.2},
+                    {"identical", "", "identical", 0},
+                    {"n_valid", "", "n_valid", 1800},
+                    {"shift_p", "parts", "shift_itp.2", 5},
+                    {"similarity_jod", "parts", "similarity_jod", 9.1},
+                    {"mae", "metrics", "mae", 0.25},
+                    {"median_jod", "texture", "median_jod", 9.75},
+                    {"far_jod_high", "texture", "far_jod_high", 9.5}};
+    size_t n_found = 0;
+    nqm_column c;
+    for (size_t i = 0; (c = nqm_score_column(i, &r, &t)).name; ++i) {
+        if (strcmp(c.name, "verdict") == 0)
+            assert_string_equal(c.text, "between practically the same and visible");
+        for (size_t k = 0; k < i; ++k)
+            assert_string_not_equal(nqm_score_column(k, NULL, NULL).name, c.name);
+        for (size_t k = 0; k < sizeof expected / sizeof *expected; ++k)
+            if (strcmp(c.name, expected[k].name) == 0) {
+                assert_string_equal(c.object, expected[k].object);
+                assert_string_equal(c.member, expected[k].member);
+                assert_true(c.number == expected[k].value);
+                assert_true(isnan(nqm_score_column(i, NULL, NULL).number));
+                ++n_found;
+            }
+    }
+    assert_int_equal(n_found, sizeof expected / sizeof *expected);
+    r.status = NQM_ERR_IO;
+    for (size_t i = 0; (c = nqm_score_column(i, &r, NULL)).name; ++i)
+        if (c.kind == NQM_COLUMN_WHOLE || c.kind == NQM_COLUMN_FLAG)
+            assert_true(isnan(c.number));
+}
+
 TEST(gates_let_their_own_value_pass) {
     const score_gate jod = {.jod = 9}, low = {.jod_low = 9}, both = {9, 8.5};
     nqm_score_result r = scored(9, 8.5, 9.4);

@@ -40,11 +40,7 @@ static const nqm_option options_rows[] = {
 
 const nqm_option_table nqm_bench_option_table = {options_rows, sizeof options_rows / sizeof *options_rows, NULL};
 
-nqm_bench_options nqm_bench_options_default(void) {
-    nqm_bench_options options = {0};
-    (void)!nqm_options_begin(&nqm_bench_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_bench_option, 0)
 
 nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err) {
     *bench_ret = NULL;
@@ -63,9 +59,7 @@ nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_
         return status;
     }
     nqm_bench_add_units(bench);
-    for (size_t i = 0; i < NQM_BENCH_LEVELS; ++i)
-        if (nqm_bench_level_bytes(i))
-            nqm_bench_read_meter(bench, nqm_bench_level_bytes(i));
+    nqm_bench_read_meter(bench, bench->memory_bytes);
     *bench_ret = bench;
     return NQM_OK;
 }
@@ -113,18 +107,12 @@ void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_
 }
 
 nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err) {
-    const size_t n = bench->n_entries;
-    if ((n & (n - 1)) == 0) { /* full: double the size */
-        nqm_bench_entry *larger = nqm_alloc(nqm_larger(1, 2 * n), sizeof *entry);
-        if (!larger) {
-            json_decref(entry->row);
-            return nqm_fail_nomem(err, 2 * n * sizeof *entry);
-        }
-        if (n)
-            memcpy(larger, bench->entry, n * sizeof *entry);
-        nqm_free(bench->entry);
-        bench->entry = larger;
+    nqm_bench_entry *larger = nqm_grow(bench->entry, &bench->max_entries, bench->n_entries + 1, sizeof *entry);
+    if (!larger) {
+        json_decref(entry->row);
+        return nqm_fail_nomem(err, sizeof *entry);
     }
+    bench->entry = larger;
     bench->entry[bench->n_entries++] = *entry;
     return NQM_OK;
 }
@@ -160,22 +148,17 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *e) {
     nqm_bench_number(e, "ratio_cpu", floor_s / e->cpu);
 }
 
-/* The row of a meter, or of a unit that this processor lacks. */
-static json_t *peak_row(const nqm_bench_unit *unit, const nqm_bench_meter *meter) {
-    nqm_bench_entry e = {.row = json_pack("{s:s,s:s}", "bench", "peak", "name",
-                                          !meter ? "absent"
-                                          : unit ? "arithmetic"
-                                                 : "reading")};
+static json_t *peak_row(const nqm_bench_meter *meter) {
+    const nqm_bench_unit *unit = meter->unit;
+    nqm_bench_entry e = {.row = json_pack("{s:s,s:s}", "bench", "peak", "name", unit ? "arithmetic" : "reading")};
     if (unit) {
         nqm_bench_text(&e, "unit", unit->name);
         nqm_bench_text(&e, "precision", nqm_precision_words[unit->precision]);
     }
-    if (meter) {
-        nqm_bench_count(&e, "threads", (size_t)omp_get_max_threads());
-        nqm_bench_count(&e, "rounds", meter->n_samples);
-        nqm_bench_number(&e, "megabytes", 1e-6 * (double)meter->bytes);
-        nqm_bench_number(&e, unit ? "peak_gflops" : "peak_gb_per_s", nqm_bench_meter_peak(meter));
-    }
+    nqm_bench_count(&e, "threads", (size_t)omp_get_max_threads());
+    nqm_bench_count(&e, "rounds", meter->n_samples);
+    nqm_bench_number(&e, "megabytes", 1e-6 * (double)meter->bytes);
+    nqm_bench_number(&e, unit ? "peak_gflops" : "peak_gb_per_s", nqm_bench_meter_peak(meter));
     return e.row;
 }
 
@@ -190,10 +173,7 @@ json_t *nqm_bench_finish(nqm_bench *bench) {
         json_array_append(rows, bench->entry[i].row);
     }
     for (int i = 0; i < bench->n_meters; ++i)
-        json_array_append_new(rows, peak_row(bench->meter[i].unit, &bench->meter[i]));
-    for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
-        if (!unit->is_available())
-            json_array_append_new(rows, peak_row(unit, NULL));
+        json_array_append_new(rows, peak_row(&bench->meter[i]));
     return json_pack("{s:i,s:s,s:o,s:o}", "schema", 1, "version", nqm_version(), "machine", nqm_bench_machine(), "rows",
                      rows);
 }

@@ -17,10 +17,6 @@
 
 /* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
 
-/** Caches whose size the system knows, and memory: L1, L2, L3, memory. */
-enum { NQM_BENCH_LEVELS = 4, NQM_BENCH_MEMORY = 256000000 };
-/** Size of an array that fits into a level with all threads, half of it, and not into the one before; bytes; 0: unknown. */
-size_t nqm_bench_level_bytes(size_t level);
 /** Facts about the machine and this build, for the results. */
 json_t *nqm_bench_machine(void);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */
@@ -60,8 +56,7 @@ void nqm_bench_free(nqm_bench *bench);
 /** A benchmark, which adds its rows. */
 typedef nqm_status nqm_bench_fn(nqm_bench *bench, nqm_error *err);
 
-/** The matrix products of layers 1 and 2 of the network of `paper` for a batch of 512: forward, and the gradient of the
- *  weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Quick: layer 2 only. */
+/** The forward matrix products of layers 1 and 2 of the network of `paper` for a batch of 512. Quick: layer 2 only. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_gemm;
 /** nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe "paper".
  *  One row for each seed and precision. Median and worst time are those of the epochs times their number. Quick: a
@@ -84,15 +79,17 @@ json_t *nqm_bench_finish(nqm_bench *bench);
 
 /** A kind of multiply-add instruction. */
 typedef struct nqm_bench_unit {
-    const char *name;        /* NULL ends the list */
-    nqm_precision precision; /* precision of the factors */
-    bool (*is_available)(void);
+    const char *name;           /* NULL ends the list */
+    nqm_precision precision;    /* precision of the factors */
+    const nqm_kernels *kernels; /* that processors with the unit can run */
     /* n steps of that instruction only, with enough independent accumulators to hide its latency; seed (64). */
     float (*run)(size_t n, const uint32_t *seed);
     double flop; /* operations per step; a multiplication and an addition are two */
 } nqm_bench_unit;
 /** All units of this architecture, those that this processor lacks included. */
 extern const nqm_bench_unit nqm_bench_units[];
+/** Whether this processor has a unit of this list. */
+bool nqm_bench_has_unit(const nqm_bench_unit *unit);
 /** Read n_bytes, a multiple of 512, at an address aligned to 64 bytes, by the widest loads. Returns a sum of it. */
 uint64_t nqm_bench_read(size_t n_bytes, const void *data);
 
@@ -130,7 +127,7 @@ struct nqm_bench {
     unsigned char *memory; /* (memory_bytes), for the reading meters */
     size_t memory_bytes;
     nqm_bench_entry *entry; /* (n_entries) */
-    size_t n_entries;
+    size_t n_entries, max_entries;
 };
 
 /** Make a meter for each unit that this processor has. */
@@ -178,15 +175,5 @@ static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision
 /** 10 labelled pairs for each of n_refs generated references, always the same, at `directions`, which are copied. */
 NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
                                           nqm_error *err);
-
-/* ---- oneDNN for comparison (onednn.c) ---------------------------------------------------------------------------- */
-
-/** C (m, n) = A (m, k) B (k, n) by oneDNN's matrix product primitive, in buffers of its own. */
-typedef struct nqm_bench_onednn nqm_bench_onednn;
-/** Create one, with B in the layout that oneDNN prefers. trans_a: A is stored as (k, m), and B row-major: both are activations,
- *  as in a weight gradient. NULL: oneDNN is missing, or cannot do it on this machine. */
-nqm_bench_onednn *nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k);
-void nqm_bench_onednn_run(void *product);
-void nqm_bench_onednn_free(nqm_bench_onednn *product);
 
 #endif

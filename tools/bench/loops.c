@@ -38,27 +38,12 @@
         return total;                                                                                                  \
     }
 
-#define DEFINE_READ(NAME, ATTRIBUTE, VECTOR_BYTES)                                                                     \
-    ATTRIBUTE static uint64_t NAME(size_t n_bytes, const void *data) {                                                 \
-        typedef uint64_t vector __attribute__((vector_size(VECTOR_BYTES), may_alias));                                 \
-        const vector *from = data, *end = from + n_bytes / VECTOR_BYTES;                                               \
-        vector sum[4] = {{0}};                                                                                         \
-        for (; from < end; from += 8)                                                                                  \
-            UNROLL for (int i = 0; i < 8; ++i) sum[i % 4] ^= from[i];                                                  \
-        sum[0] ^= sum[1] ^ sum[2] ^ sum[3];                                                                            \
-        uint64_t total = 0;                                                                                            \
-        for (size_t i = 0; i < VECTOR_BYTES / sizeof total; ++i)                                                       \
-            total ^= sum[0][i];                                                                                        \
-        return total;                                                                                                  \
-    }
-
 /* NOLINTEND(bugprone-macro-parentheses) */
 
 typedef float vector_4f __attribute__((vector_size(16), may_alias, aligned(4)));
 #define LOAD_128(p)         (*(const vector_4f *)(const void *)(p))
 #define STEP_128(sum, x, y) ((sum) * (x) + (y))
 DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_128)
-DEFINE_READ(read_generic, ANY_TARGET, 16)
 
 #if defined __x86_64__
 #define LOAD_256(p)            _mm256_loadu_ps((const float *)(const void *)(p))
@@ -70,50 +55,43 @@ DEFINE_READ(read_generic, ANY_TARGET, 16)
 DEFINE_PEAK(peak_f32_avx2, FOR("avx2,fma"), 12, __m256, LOAD_256, STEP_AVX2)
 DEFINE_PEAK(peak_f32_avx512, FOR(AVX512), 24, __m512, LOAD_512, STEP_AVX512)
 DEFINE_PEAK(peak_bf16_avx512, FOR(AVX512 ",avx512bf16"), 24, __m512, LOAD_512, STEP_BF16)
-DEFINE_READ(read_avx2, FOR("avx2"), 32)
-DEFINE_READ(read_avx512, FOR(AVX512), 64)
-
-/* ---- units ------------------------------------------------------------------------------------------------------- */
-
-static bool has_avx2(void) {
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-}
-static bool has_avx512(void) {
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-}
-static bool has_avx512_bf16(void) {
-    return has_avx512() && __builtin_cpu_supports("avx512bf16");
-}
 #elif defined __aarch64__
 #define LOAD_NEON(p)         vld1q_f32((const float *)(const void *)(p))
 #define STEP_NEON(sum, x, y) vfmaq_f32(y, sum, x)
 DEFINE_PEAK(peak_f32_neon, ANY_TARGET, 24, float32x4_t, LOAD_NEON, STEP_NEON)
 #endif
 
-static bool always(void) {
-    return true;
-}
-
 /* Operations of a step: 2 for each multiply-add, accumulators, lanes; a lane of a dot product has 2 factors. */
 const nqm_bench_unit nqm_bench_units[] = {
-    {"128-bit multiply, add", NQM_PRECISION_F32, always, peak_f32_any, 2 * 12 * 4},
+    {"128-bit multiply, add", NQM_PRECISION_F32, &nqm_kernels_generic, peak_f32_any, 2 * 12 * 4},
 #if defined __x86_64__
-    {"AVX2 FMA", NQM_PRECISION_F32, has_avx2, peak_f32_avx2, 2 * 12 * 8},
-    {"AVX-512 FMA", NQM_PRECISION_F32, has_avx512, peak_f32_avx512, 2 * 24 * 16},
-    {"AVX512-BF16 VDPBF16PS", NQM_PRECISION_BF16, has_avx512_bf16, peak_bf16_avx512, 2 * 24 * 32},
+    {"AVX2 FMA", NQM_PRECISION_F32, &nqm_kernels_avx2, peak_f32_avx2, 2 * 12 * 8},
+    {"AVX-512 FMA", NQM_PRECISION_F32, &nqm_kernels_avx512, peak_f32_avx512, 2 * 24 * 16},
+    {"AVX512-BF16 VDPBF16PS", NQM_PRECISION_BF16, &nqm_kernels_avx512_bf16, peak_bf16_avx512, 2 * 24 * 32},
 #elif defined __aarch64__
-    {"NEON FMA", NQM_PRECISION_F32, always, peak_f32_neon, 2 * 24 * 4},
+    {"NEON FMA", NQM_PRECISION_F32, &nqm_kernels_generic, peak_f32_neon, 2 * 24 * 4},
 #endif
     {0},
 };
 
+bool nqm_bench_has_unit(const nqm_bench_unit *unit) {
+    size_t i = 0;
+    while (nqm_kernels_at(i) && nqm_kernels_at(i) != unit->kernels)
+        ++i;
+    return nqm_kernels_at(i) != NULL;
+}
+
+NQM_FOR_EACH_VECTOR_WIDTH
 uint64_t nqm_bench_read(size_t n_bytes, const void *data) {
-#if defined __x86_64__
-    if (has_avx512())
-        return read_avx512(n_bytes, data);
-    if (has_avx2())
-        return read_avx2(n_bytes, data);
-#endif
-    return read_generic(n_bytes, data);
+    typedef uint64_t vector __attribute__((vector_size(64), may_alias));
+    enum { SUMS = 4, LANES = sizeof(vector) / sizeof(uint64_t) };
+    const vector *from = data, *end = from + n_bytes / sizeof *from;
+    vector sum[SUMS] = {{0}};
+    for (; from < end; from += SUMS)
+        UNROLL for (int i = 0; i < SUMS; ++i) sum[i] ^= from[i];
+    sum[0] ^= sum[1] ^ sum[2] ^ sum[3];
+    uint64_t total = 0;
+    for (size_t i = 0; i < LANES; ++i)
+        total ^= sum[0][i];
+    return total;
 }

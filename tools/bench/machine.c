@@ -6,8 +6,8 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* The value of the first line "key : value" of a file of the system; "" when there is none. */
 static void read_value(const char *path, const char *key, char *value, size_t n_value) {
@@ -23,33 +23,6 @@ static void read_value(const char *path, const char *key, char *value, size_t n_
     }
     if (file)
         fclose(file);
-}
-
-/* Size of a cache by the system, bytes: level 0 is the data cache of L1; 0: unknown. */
-static size_t cache_bytes(size_t level) {
-    static const int names[] = {_SC_LEVEL1_DCACHE_SIZE, _SC_LEVEL2_CACHE_SIZE, _SC_LEVEL3_CACHE_SIZE};
-    static const char *const indices[] = {"index0", "index2", "index3"};
-    char path[80], line[40] = "";
-    const char *end;
-    double kib;
-    if (level >= sizeof names / sizeof *names)
-        return 0;
-    snprintf(path, sizeof path, "/sys/devices/system/cpu/cpu0/cache/%s/size", indices[level]);
-    FILE *file = fopen(path, "r"); /* sysconf() counts a shared L3 several times on some virtual machines */
-    const bool has_size = file && fgets(line, sizeof line, file) && nqm_parse_double(line, &end, &kib) && *end == 'K';
-    if (file)
-        fclose(file);
-    const long n_bytes = has_size ? (long)kib * 1024 : sysconf(names[level]);
-    return n_bytes > 0 ? (size_t)n_bytes : 0;
-}
-
-size_t nqm_bench_level_bytes(size_t level) {
-    if (level == NQM_BENCH_LEVELS - 1)
-        return NQM_BENCH_MEMORY;
-    const size_t threads = (size_t)omp_get_max_threads();
-    const bool is_shared = level == 2; /* L1 and L2 belong to one core */
-    const size_t n_bytes = cache_bytes(level) / 2 * (is_shared ? 1 : threads);
-    return n_bytes > (level ? cache_bytes(level - 1) * threads : 0) ? n_bytes : 0;
 }
 
 void nqm_bench_reset_peak_memory(void) {
@@ -87,13 +60,10 @@ static json_t *cpu_id_json(void) {
 json_t *nqm_bench_machine(void) {
     char cpu[200];
     double load;
-    json_t *caches = json_array();
     read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
-    for (size_t level = 0; level + 1 < NQM_BENCH_LEVELS; ++level)
-        json_array_append_new(caches, json_integer((json_int_t)(cache_bytes(level) / 1024)));
     if (getloadavg(&load, 1) != 1)
         load = 0;
-    return json_pack("{s:o,s:o,s:s,s:i,s:i,s:o,s:f,s:s}", "cpu", json_string(cpu), "cpu_id", cpu_id_json(), "compiler",
-                     __VERSION__, "cores", omp_get_num_procs(), "threads", omp_get_max_threads(), "cache_kib", caches,
-                     "load_average", load, "build", nqm_build_info());
+    return json_pack("{s:o,s:o,s:s,s:i,s:i,s:f,s:s}", "cpu", json_string(cpu), "cpu_id", cpu_id_json(), "compiler",
+                     __VERSION__, "cores", omp_get_num_procs(), "threads", omp_get_max_threads(), "load_average", load,
+                     "build", nqm_build_info());
 }

@@ -13,7 +13,7 @@ static const char usage[] =
     "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled between the\n"
     "timings. Each result is the best of several rounds. Other programs make rounds longer, which the medians show.\n"
     "Without a name, run all benchmarks:\n\n"
-    "  gemm   the matrix products of the networks, and oneDNN's if the build found it\n"
+    "  gemm   the forward matrix products of the networks\n"
     "  train  a training of the paper's size, on generated pairs\n"
     "  score  the network, and samples to JOD, for 1 to 512 pairs\n"
     "  load   files to samples\n\n"

@@ -119,7 +119,7 @@ static int new_meter(nqm_bench *bench, const nqm_bench_unit *unit, size_t n_byte
 
 void nqm_bench_add_units(nqm_bench *bench) {
     for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
-        if (unit->is_available())
+        if (nqm_bench_has_unit(unit))
             new_meter(bench, unit, 0);
 }
 
@@ -154,7 +154,7 @@ double nqm_bench_meter_peak(const nqm_bench_meter *meter) {
 nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err) {
     if (bench->memory)
         return NQM_OK;
-    bench->memory_bytes = bench->options.quick ? 16000000 : NQM_BENCH_MEMORY;
+    bench->memory_bytes = bench->options.quick ? 16000000 : 256000000; /* more than the caches */
     bench->memory = nqm_alloc(bench->memory_bytes, 1);
     if (!bench->memory)
         return nqm_fail_nomem(err, bench->memory_bytes);

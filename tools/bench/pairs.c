@@ -13,32 +13,28 @@
 
 enum { SPEC_BYTES = 200, TESTS_PER_REF = 10, NAME_BYTES = 32 };
 
-typedef struct material {
-    double diffuse[3], specular, alpha;
-} material;
+/* Parameters of a GGX material. */
+enum { ALPHA, SPECULAR, RED, GREEN, BLUE, PARAMETERS };
 
-static material random_material(nqm_rng *rng) {
-    material m = {.specular = exp(4 * nqm_rng_uniform(rng) - 5), .alpha = exp(3 * nqm_rng_uniform(rng) - 3.5)};
-    for (size_t k = 0; k < 3; ++k)
-        m.diffuse[k] = 0.7 * nqm_rng_uniform(rng);
-    return m;
+static void random_material(nqm_rng *rng, double material[PARAMETERS]) {
+    material[SPECULAR] = exp(4 * nqm_rng_uniform(rng) - 5);
+    material[ALPHA] = exp(3 * nqm_rng_uniform(rng) - 3.5);
+    for (size_t k = RED; k <= BLUE; ++k)
+        material[k] = 0.7 * nqm_rng_uniform(rng);
 }
 
 /* A copy with a random amount of change, from hardly visible to very different. */
-static material change(const material *from, nqm_rng *rng) {
-    material m = *from;
+static void change(const double from[PARAMETERS], nqm_rng *rng, double to[PARAMETERS]) {
     const double amount = nqm_rng_uniform(rng) * nqm_rng_uniform(rng);
-    m.alpha = fmin(m.alpha * exp(amount * nqm_rng_normal(rng)), 1);
-    m.specular = fmin(m.specular * exp(amount * nqm_rng_normal(rng)), 1);
-    for (size_t k = 0; k < 3; ++k)
-        m.diffuse[k] = fmin(m.diffuse[k] * exp(0.5 * amount * nqm_rng_normal(rng)), 1);
-    return m;
+    for (size_t k = 0; k < PARAMETERS; ++k)
+        to[k] = fmin(from[k] * exp((k < RED ? 1 : 0.5) * amount * nqm_rng_normal(rng)), 1);
 }
 
-static nqm_status sample_material(const material *m, const nqm_directions *directions, float *rgb, nqm_error *err) {
+static nqm_status sample_material(const double m[PARAMETERS], const nqm_directions *directions, float *rgb,
+                                  nqm_error *err) {
     char spec[SPEC_BYTES];
-    snprintf(spec, sizeof spec, "ggx:kd=%.17g,%.17g,%.17g;ks=%.17g;alpha=%.17g;f0=.5", m->diffuse[0], m->diffuse[1],
-             m->diffuse[2], m->specular, m->alpha);
+    snprintf(spec, sizeof spec, "ggx:kd=%.17g,%.17g,%.17g;ks=%.17g;alpha=%.17g;f0=.5", m[RED], m[GREEN], m[BLUE],
+             m[SPECULAR], m[ALPHA]);
     nqm_brdf *brdf;
     nqm_status status = nqm_brdf_open(spec, &brdf, err);
     if (status == NQM_OK)
@@ -57,11 +53,12 @@ static double label_delta_e(size_t n, const float *ref, const float *test) {
 static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng, nqm_error *err) {
     const nqm_dataset *d = b->dataset;
     const size_t width = 3 * d->n_directions;
-    const material m = random_material(rng);
+    double material[PARAMETERS], changed[PARAMETERS];
     char name[NAME_BYTES];
     uint32_t group = 0, kind = 0;
     snprintf(name, sizeof name, "material %zu", ref);
-    nqm_status status = sample_material(&m, d->directions, d->ref_rgb + ref * width, err);
+    random_material(rng, material);
+    nqm_status status = sample_material(material, d->directions, d->ref_rgb + ref * width, err);
     if (status == NQM_OK)
         status = nqm_dataset_add_group(b, name, strlen(name), NQM_SPLIT_TRAIN, &group, err);
     if (status == NQM_OK)
@@ -69,9 +66,9 @@ static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng,
     if (status == NQM_OK)
         status = nqm_dataset_add_kind(b, "random", NULL, &kind, err);
     for (size_t i = ref * TESTS_PER_REF; i < (ref + 1) * TESTS_PER_REF && status == NQM_OK; ++i) {
-        const material changed = change(&m, rng);
         float *test_rgb = d->test_rgb + i * width;
-        status = sample_material(&changed, d->directions, test_rgb, err);
+        change(material, rng, changed);
+        status = sample_material(changed, d->directions, test_rgb, err);
         snprintf(name, sizeof name, "copy %zu", i);
         if (status == NQM_OK)
             status = nqm_dataset_add_pair(b, (uint32_t)ref, name, kind,

@@ -228,6 +228,14 @@ static void put_first_sentence(const char *about) {
     printf("%.*s\n", (int)n, about);
 }
 
+/* The table of what a score consists of. */
+static void put_columns(void) {
+    puts("\n## Columns of a score\n\n| CSV, Python | JSON | what |\n|---|---|---|");
+    nqm_column c;
+    for (size_t i = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+        printf("| `%s` | `%s%s%s` | %s |\n", c.name, c.object, *c.object ? "." : "", c.member, c.about);
+}
+
 void print_reference(void) {
     puts("# Reference of the command line\n\n"
          "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`). `nqm "
@@ -243,6 +251,7 @@ void print_reference(void) {
     }
     putchar('\n');
     describe_verbs(print_markdown);
+    put_columns();
 }
 
 void print_markdown(const command *cmd) {

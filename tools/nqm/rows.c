@@ -89,6 +89,67 @@ void print_csv_line(FILE *out, const char *columns, const json_t *row, const row
     fputc('\n', out);
 }
 
+/* ---- columns of scores ------------------------------------------------------------------------------------------- */
+
+static bool is_wanted(const nqm_column *c, unsigned groups, const bool *metrics) {
+    return (groups >> c->group & 1) && (c->group != NQM_COLUMN_METRIC || !metrics || metrics[c->metric]);
+}
+
+static json_t *column_json(const nqm_column *c) {
+    if (c->kind == NQM_COLUMN_TEXT)
+        return json_string(c->text);
+    if (c->kind == NQM_COLUMN_REAL || isnan(c->number))
+        return json_number(c->number);
+    return c->kind == NQM_COLUMN_FLAG ? json_boolean(c->number != 0) : json_integer((json_int_t)c->number);
+}
+
+/* The object or list of this name, made when it is not there. */
+static json_t *inner(json_t *object, const char *key, size_t n_key, json_t *make(void)) {
+    char name[40];
+    snprintf(name, sizeof name, "%.*s", (int)n_key, key);
+    if (n_key && !json_object_get(object, name))
+        json_object_set_new(object, name, make());
+    return n_key ? json_object_get(object, name) : object;
+}
+
+json_t *set_columns(json_t *row, unsigned groups, const bool *metrics, const nqm_score_result *score,
+                    const nqm_texture_result *texture) {
+    const unsigned of_parts = COLUMNS_PARTS | COLUMNS_OF_LABEL | COLUMNS_SIMILARITY;
+    if (isnan(score->parts.structure))
+        groups &= ~of_parts;
+    for (size_t i = 0;; ++i) {
+        const nqm_column c = nqm_score_column(i, score, texture);
+        if (!c.name)
+            return row;
+        if (!is_wanted(&c, groups, metrics))
+            continue;
+        json_t *object = inner(row, c.object, strlen(c.object), json_object);
+        const size_t n = strcspn(c.member, ".");
+        if (c.member[n])
+            json_array_append_new(inner(object, c.member, n, json_array), column_json(&c));
+        else
+            json_object_set_new(object, c.member, column_json(&c));
+    }
+}
+
+char *list_columns(const char *first, unsigned groups, const bool *metrics, const char *last) {
+    char *text;
+    size_t n;
+    nqm_column c;
+    FILE *out = open_text(&text, &n);
+    fputs(first, out);
+    for (size_t i = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+        if (is_wanted(&c, groups, metrics))
+            fprintf(out, ",%s=%s%s%s", c.name, c.object, *c.object ? "." : "", c.member);
+        else if (c.group == NQM_COLUMN_TEXTURE && groups & COLUMNS_BARE_TEXTURE)
+            fprintf(out, ",%s", c.name);
+    fputs(last, out);
+    fclose(out);
+    return text;
+}
+
+/* ---- order ------------------------------------------------------------------------------------------------------- */
+
 typedef struct keyed {
     double key;
     size_t i;

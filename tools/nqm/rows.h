@@ -17,6 +17,23 @@ double number_at(const json_t *json, const char *path);
 /** The texts of a list, separated by "; "; free() it. */
 char *join_texts(const json_t *texts);
 
+/** Bits of nqm_column_group. */
+enum {
+    COLUMNS_SCORE = 1 << NQM_COLUMN_SCORE,
+    COLUMNS_PARTS = 1 << NQM_COLUMN_PARTS,
+    COLUMNS_OF_LABEL = 1 << NQM_COLUMN_LABEL,
+    COLUMNS_SIMILARITY = 1 << NQM_COLUMN_SIMILARITY,
+    COLUMNS_METRICS = 1 << NQM_COLUMN_METRIC,
+    COLUMNS_TEXTURE = 1 << NQM_COLUMN_TEXTURE,
+    COLUMNS_BARE_TEXTURE = COLUMNS_TEXTURE << 1, /* the same as members of the row itself */
+};
+/** Members of an object from the columns of these groups (nqm_score_column()), in "parts" and the like where they belong; of metrics
+ *  the chosen ones, NULL: all. What the result does not have is left out, or null. Returns row. */
+json_t *set_columns(json_t *row, unsigned groups, const bool *metrics, const nqm_score_result *score,
+                    const nqm_texture_result *texture);
+/** The same as columns of print_csv_line(), between other ones. free() it. */
+char *list_columns(const char *first, unsigned groups, const bool *metrics, const char *last);
+
 /** A text of a row as it was given: those of JSON are UTF-8. */
 typedef struct row_text {
     const char *column, *text; /* column NULL: the end of the list */

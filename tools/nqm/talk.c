@@ -2,7 +2,7 @@
  *
  * Output of the tool: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
  */
-#include "io/options_json.h"
+#include "io/json.h"
 #include "nqm/tool.h"
 
 #include <math.h>
@@ -464,18 +464,6 @@ void print_csv_numbers(FILE *out, size_t n, const double *values) {
         fputc(',', out);
         print_csv_number(out, values[i]);
     }
-}
-
-json_t *json_label_parts(const nqm_label *l, const double *similarity) {
-    const nqm_label_info info = nqm_label_get_info(l);
-    if (isnan(l->structure))
-        return json_null();
-    return json_row("shift_itp:[fff] contrast:f structure:f adapted_jod:o similarity_jod:o similarity_low:o "
-                    "similarity_high:o words:s",
-                    l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure,
-                    similarity ? NULL : json_number(info.adapted_jod), similarity ? json_number(similarity[0]) : NULL,
-                    similarity ? json_number(similarity[1]) : NULL, similarity ? json_number(similarity[2]) : NULL,
-                    info.words);
 }
 
 void print_phrases(const char *text) {

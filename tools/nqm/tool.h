@@ -252,13 +252,6 @@ json_t *json_set(json_t *object, const char *format, ...);
 json_t *json_tool(void);
 /** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
-/** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
- *  `similarity_jod` with the ends of its interval; NULL: nqm_label_info.adapted_jod is. */
-json_t *json_label_parts(const nqm_label *label, const double *similarity);
-/** Columns of their first members for print_csv_line(). */
-#define PART_COLUMNS                                                                                                   \
-    ",shift_i=parts.shift_itp.0,shift_t=parts.shift_itp.1,shift_p=parts.shift_itp.2,contrast=parts.contrast,"          \
-    "structure=parts.structure"
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */
 void print_phrases(const char *text);
 /** Print what is stored about the intervals of a model, nqm_model_info.calibration; the same as JSON, null without intervals. */

@@ -3,7 +3,7 @@
  * What a page does not read: archives, meshes; and PNG, JPEG and WebP, which the browser decodes.
  */
 #include "io/io.h"
-#include "io/raster_decoders.h"
+#include "io/raster.h"
 
 nqm_status nqm_zip_read(const nqm_map *map, const char *member, size_t max_bytes, unsigned char **data_ret,
                         size_t *n_bytes_ret, nqm_error *err) {
@@ -54,8 +54,8 @@ nqm_status nqm_raster_decode_jpeg(const nqm_map *map, bool header_only, nqm_rast
 
 nqm_status nqm_raster_decode_webp(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
     (void)header_only, (void)raster;
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: an animated WebP picture, or one that the browser cannot decode (byte 0)",
-                    map->path);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                    "%s: an animated WebP picture, or one that the browser cannot decode (byte 0)", map->path);
 }
 
 const char *nqm_build_info(void) {

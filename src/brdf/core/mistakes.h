@@ -10,7 +10,7 @@
 #ifndef NQM_SRC_BRDF_MISTAKES_H
 #define NQM_SRC_BRDF_MISTAKES_H
 
-#include "material/color_space.h"
+#include "material/material.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -25,6 +25,8 @@ typedef struct nps {
     float bias[N_LAYERS][N_HIDDEN];
 } nps;
 
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
+
 /* Pairs per batch: whole strips of the kernels, and all light directions of a point of a scene; buffers are on the stack. */
 enum { TILE = 11 * NQM_STRIP };
 
@@ -86,6 +88,8 @@ static void nps_free(void *self) {
 static const nqm_brdf_class nps_class = {
     .format = "nps", .reciprocal = 1, .is_costly = true, .eval_half_diff = nps_eval_half_diff, .free = nps_free};
 
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
 static bool probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;
 }
@@ -113,10 +117,11 @@ static nqm_status read_decoder(const nqm_map *map, nps *net, nqm_error *err) {
     if (!numbers)
         return nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
     nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map->data, numbers);
-    const size_t at = sizeof *numbers * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
-    nqm_status status = at == map->n_bytes ? copy_layers(numbers, net, err)
-                                           : nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
-                                                      "%s: the weight at byte %zu is not finite", map->path, at);
+    const size_t n_finite = nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX), at = 4 * n_finite;
+    const nqm_status status =
+        n_finite == N_NUMBERS
+            ? copy_layers(numbers, net, err)
+            : nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", map->path, at);
     nqm_free(numbers);
     return status;
 }

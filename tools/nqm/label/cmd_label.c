@@ -213,13 +213,16 @@ static bool has_textures(const label_run *run) {
 
 static json_t *item_json(const label_run *run, const label_item *item) {
     const label_item *reference = &run->items[item->reference];
-    return json_row("test:s name:s delta_e_itp:f jod:f delta_e_error:f jod_error:f parts:o reference_luminance_cdm2:f "
-                    "valid:f tabulated:{reference:b test:b} reference:o error:o",
-                    item->name, item->shown, item->label.delta_e, item->jod, item->label.error,
-                    nqm_label_get_info(&item->label).jod_error, json_label_parts(&item->label, NULL),
-                    mean_luminance(run, reference->rgb_cdm2), item->valid, reference->made.is_tabulated,
-                    item->made.is_tabulated, run->n_groups > 1 ? json_name(reference->name) : NULL,
-                    item->err.status != NQM_OK ? json_name(item->err.message) : NULL);
+    const nqm_score_result parts = {.parts = item->label};
+    json_t *row =
+        json_row("test:s name:s delta_e_itp:f jod:f delta_e_error:f jod_error:f parts:o reference_luminance_cdm2:f "
+                 "valid:f tabulated:{reference:b test:b} reference:o error:o",
+                 item->name, item->shown, item->label.delta_e, item->jod, item->label.error,
+                 nqm_label_get_info(&item->label).jod_error, isnan(item->label.structure) ? json_null() : json_object(),
+                 mean_luminance(run, reference->rgb_cdm2), item->valid, reference->made.is_tabulated,
+                 item->made.is_tabulated, run->n_groups > 1 ? json_name(reference->name) : NULL,
+                 item->err.status != NQM_OK ? json_name(item->err.message) : NULL);
+    return set_columns(row, COLUMNS_PARTS | COLUMNS_OF_LABEL, NULL, &parts, NULL);
 }
 
 json_t *json_labels(const label_run *run) {
@@ -234,21 +237,24 @@ json_t *json_labels(const label_run *run) {
                     scene, results, run->map || run->keep ? json_number(run->delta_e_max) : NULL);
 }
 
-/* The columns, and those of a list with several references. */
-static const char label_columns[] =
-    "test,delta_e_itp,jod,error" PART_COLUMNS ",adapted_jod=parts.adapted_jod,name,delta_e_error,jod_error,valid";
-static const char group_columns[] = "test,delta_e_itp,jod,error,reference" PART_COLUMNS
-                                    ",adapted_jod=parts.adapted_jod,name,delta_e_error,jod_error,valid";
-
-static void print_csv_test(const label_run *run, const label_item *item) {
-    const row_text texts[] = {{"test", item->name},
-                              {"error", item->err.message},
-                              {"reference", run->items[item->reference].name},
-                              {"name", item->shown},
-                              {0}};
-    json_t *row = item_json(run, item);
-    print_csv_line(stdout, run->n_groups > 1 ? group_columns : label_columns, row, texts);
-    json_decref(row);
+static void print_csv_tests(const label_run *run) {
+    char *columns =
+        list_columns(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error",
+                     COLUMNS_PARTS | COLUMNS_OF_LABEL, NULL, ",name,delta_e_error,jod_error,valid");
+    print_csv_line(stdout, columns, NULL, NULL);
+    for (size_t i = 0; i < run->n_items; ++i) {
+        const label_item *item = &run->items[i];
+        const row_text texts[] = {{"test", item->name},
+                                  {"error", item->err.message},
+                                  {"reference", run->items[item->reference].name},
+                                  {"name", item->shown},
+                                  {0}};
+        json_t *row = is_reference(run, i) ? NULL : item_json(run, item);
+        if (row)
+            print_csv_line(stdout, columns, row, texts);
+        json_decref(row);
+    }
+    free(columns);
 }
 
 static void print_text_test(const label_item *item) {
@@ -272,8 +278,10 @@ static void print_labels(const label_run *run) {
         print_json(json_labels(run));
         return;
     }
-    if (run->format == FORMAT_CSV)
-        print_csv_line(stdout, run->n_groups > 1 ? group_columns : label_columns, NULL, NULL);
+    if (run->format == FORMAT_CSV) {
+        print_csv_tests(run);
+        return;
+    }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (is_reference(run, i)) {
@@ -282,8 +290,6 @@ static void print_labels(const label_run *run) {
                        "verdict");
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
-        } else if (run->format == FORMAT_CSV) {
-            print_csv_test(run, item);
         } else {
             print_text_test(item);
         }

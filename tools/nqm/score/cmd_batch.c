@@ -39,8 +39,10 @@ static void set_batch_columns(batch_form *form) {
     const char *const *names = form->list->columns;
     char *added;
     size_t n_added;
-    form->columns = score_columns("", form->model, form->metrics, form->has_textures ? "" : NULL,
-                                  has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error");
+    form->columns = list_columns("",
+                                 score_groups(form->model) | COLUMNS_SCORE | COLUMNS_METRICS |
+                                     (form->has_textures ? COLUMNS_BARE_TEXTURE : 0),
+                                 form->metrics, has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error");
     FILE *stream = open_text(&added, &n_added);
     fputs(nqm_model_has_parts(form->model) ? ",metrics,parts" : ",metrics", stream); /* members in JSON */
     print_csv_line(stream, form->columns, NULL, NULL);
@@ -63,8 +65,8 @@ static void set_batch_columns(batch_form *form) {
 static json_t *row_json(const batch_form *form, size_t row, const nqm_score_result *r, const texture_numbers *texture,
                         const nqm_error *err) {
     json_t *object = json_result(&form->terms, &form->list->pairs[row], form->metrics, &form->gate, r, err);
-    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
+    if (form->has_textures)
+        set_texture_numbers(object, texture);
     return object;
 }
 

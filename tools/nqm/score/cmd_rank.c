@@ -111,14 +111,12 @@ static void print_text(const score_run *run) {
 }
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {
-    const nqm_score_result *r = &row->result;
-    return json_row(
-        "reference:s name:s rank:o test:s jod:f jod_low:f jod_high:f identical:b over_next:f best_preferred:f "
-        "parts:o warnings:o error:o",
-        row->pair.ref, row->name, row->rank ? json_integer((json_int_t)row->rank) : json_null(), row->pair.test, r->jod,
-        r->jod_low, r->jod_high, r->identical, row->over_next, row->best_preferred,
-        isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
-        json_remarks(&run->terms, &row->pair, "reference", "test", r), row->rank ? NULL : json_name(row->err.message));
+    json_t *object = json_row("reference:s name:s rank:o test:s over_next:f best_preferred:f", row->pair.ref, row->name,
+                              row->rank ? json_integer((json_int_t)row->rank) : json_null(), row->pair.test,
+                              row->over_next, row->best_preferred);
+    json_object_update_new(object,
+                           json_result(&run->terms, &row->pair, run->metrics, &run->gate, &row->result, &row->err));
+    return object;
 }
 
 void print_ranking(const score_run *run) {
@@ -126,8 +124,8 @@ void print_ranking(const score_run *run) {
         print_document(json_row("model:o results:o", model_json(run->model), json_rows(run, row_json)));
     else if (run->format == FORMAT_CSV)
         print_csv_rows(run,
-                       score_columns("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", run->model,
-                                     NULL, NULL, ",name,error"),
+                       list_columns("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred",
+                                    score_groups(run->model), NULL, ",name,error"),
                        row_json);
     else if (run->format == FORMAT_TEXT)
         print_text(run);

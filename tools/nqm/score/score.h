@@ -7,7 +7,7 @@
 
 #include "library/library.h"
 #include "metric/metric.h"
-#include "nqm/tool.h"
+#include "nqm/rows.h"
 #include "pairs/pairs.h"
 
 /** The lowest JOD, and the lowest lower end of its 95 % interval, that pass; 0: any. */
@@ -102,10 +102,10 @@ void choose_metrics(const char *text, bool *chosen);
 /** The "model" member of results: id, sha256, parameters. */
 json_t *model_json(const nqm_model *model);
 
-/** Columns of json_result() for print_csv_line(), between other ones: of scores and of these metrics, if they are not NULL, and of
- *  the parts that the model predicts; those of textures are below `texture`, "" or "texture.", NULL: there are none. free() it. */
-char *score_columns(const char *first, const nqm_model *model, const bool *metrics, const char *texture,
-                    const char *last);
+/** COLUMNS_... of the parts that a model predicts. */
+static inline unsigned score_groups(const nqm_model *model) {
+    return nqm_model_has_parts(model) ? COLUMNS_PARTS | COLUMNS_SIMILARITY : 0;
+}
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
 /** What `nqm score` and `nqm batch` say of a pair: scores, metrics, parts, gate, remarks, and the error of one without a score. */
@@ -155,17 +155,17 @@ double write_heat(const char *path, const nqm_texture_result *t, const float *he
 void score_textures(score_run *run);
 /** Lines below the row of such a pair. */
 void print_texture(const scored_pair *row);
-json_t *json_texture(const scored_pair *row);
+/** The member "texture" of such a row. */
+void set_texture(json_t *object, const scored_pair *row);
 /** Whether there is such a row; then CSVs have more columns. */
 bool has_textures(const score_run *run);
-/** What of such a score fits in columns: median_jod, worst_jod, below_9, below_8, far_jod, far_jod_low, far_jod_high. */
+/** The columns of textures: as numbers, NaN without a texture, and as members of an object. */
 enum { TEXTURE_NUMBERS = 7 };
 typedef struct texture_numbers {
     double v[TEXTURE_NUMBERS];
 } texture_numbers;
-extern const char *const texture_columns[TEXTURE_NUMBERS];
-/** NULL: NaN. */
 texture_numbers texture_numbers_of(const nqm_texture_result *texture);
+void set_texture_numbers(json_t *object, const texture_numbers *numbers);
 /* ---- values -------------------------------------------------------------------------------------------- */
 
 /** With --exact, compare the values of the pairs that have a score. */

@@ -215,44 +215,6 @@ json_t *model_json(const nqm_model *model) {
     return json_row("id:s sha256:s parameters:z", info.id, info.sha256, info.n_parameters);
 }
 
-/* What a result has as it is. JSON has the real numbers first. */
-static const struct {
-    const char *name;
-    enum { REAL, COUNT, FLAG } kind;
-    size_t offset;
-} score_members[] = {
-    {"jod", REAL, offsetof(nqm_score_result, jod)},
-    {"jod_low", REAL, offsetof(nqm_score_result, jod_low)},
-    {"jod_high", REAL, offsetof(nqm_score_result, jod_high)},
-    {"delta_e_itp", REAL, offsetof(nqm_score_result, delta_e)},
-    {"identical", FLAG, offsetof(nqm_score_result, identical)},
-    {"n_valid", COUNT, offsetof(nqm_score_result, n_valid)},
-    {"novelty", REAL, offsetof(nqm_score_result, novelty)},
-};
-enum { N_SCORE_MEMBERS = sizeof score_members / sizeof *score_members };
-
-char *score_columns(const char *first, const nqm_model *model, const bool *metrics, const char *texture,
-                    const char *last) {
-    char *text;
-    size_t n;
-    FILE *out = open_text(&text, &n);
-    fputs(first, out);
-    for (size_t i = 0; metrics && i < N_SCORE_MEMBERS; ++i)
-        fprintf(out, ",%s", score_members[i].name);
-    fputs(metrics ? ",verdict" : "", out);
-    if (nqm_model_has_parts(model))
-        fputs(PART_COLUMNS ",similarity_jod=parts.similarity_jod,words=parts.words", out);
-    for (int m = 0; metrics && m < NQM_METRIC_COUNT; ++m)
-        if (metrics[m])
-            fprintf(out, ",%s=metrics.%s", nqm_metric_get_info((nqm_metric)m).name,
-                    nqm_metric_get_info((nqm_metric)m).name);
-    for (size_t i = 0; texture && i < TEXTURE_NUMBERS; ++i)
-        fprintf(out, ",%s=%s%s", texture_columns[i], texture, texture_columns[i]);
-    fputs(last, out);
-    fclose(out);
-    return text;
-}
-
 void print_jod(const scored_pair *row, bool calibrated) {
     const nqm_score_result *r = &row->result;
     const bool scored = row->err.status == NQM_OK;
@@ -357,35 +319,13 @@ char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]) {
     return text;
 }
 
-/* The real numbers, or the others. */
-static void set_members(json_t *object, const nqm_score_result *r, bool reals) {
-    for (size_t i = 0; i < N_SCORE_MEMBERS; ++i) {
-        const void *at = (const char *)r + score_members[i].offset;
-        json_t *value = json_null();
-        if ((score_members[i].kind == REAL) != reals)
-            continue;
-        if (score_members[i].kind == REAL)
-            value = json_number(*(const double *)at);
-        else if (r->status == NQM_OK && score_members[i].kind == FLAG)
-            value = json_boolean(*(const int *)at);
-        else if (r->status == NQM_OK)
-            value = json_integer((json_int_t) * (const size_t *)at);
-        json_object_set_new(object, score_members[i].name, value);
-    }
-}
-
-json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *chosen, const score_gate *gate,
+json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *metrics, const score_gate *gate,
                     const nqm_score_result *r, const nqm_error *err) {
-    char verdict[NQM_VERDICT_TEXT];
     const bool is_scored = r->status == NQM_OK;
-    json_t *object = json_object(), *metrics = json_object();
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (chosen[m])
-            json_object_set_new(metrics, nqm_metric_get_info((nqm_metric)m).name, json_number(r->metrics[m]));
-    set_members(object, r, true);
-    set_members(object, r, false);
-    return json_set(object, "verdict:s metrics:o parts:o gate:o warnings:o error:o", nqm_verdict(r, verdict), metrics,
-                    isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
+    json_t *object = set_columns(json_object(), COLUMNS_SCORE, NULL, r, NULL);
+    json_set(object, "metrics:o", json_object());
+    set_columns(object, COLUMNS_METRICS | COLUMNS_PARTS | COLUMNS_SIMILARITY, metrics, r, NULL);
+    return json_set(object, "gate:o warnings:o error:o",
                     has_gate(gate) && is_scored ? json_string(gate_mark(gate, r)) : NULL,
                     json_remarks(terms, pair, "reference", "test", r), is_scored ? NULL : json_name(err->message));
 }
@@ -394,7 +334,7 @@ json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const
 static json_t *plain_json(const score_run *run, const scored_pair *row) {
     json_t *object = json_result(&run->terms, &row->pair, run->metrics, &run->gate, &row->result, &row->err);
     if (row->texture)
-        json_object_set_new(object, "texture", json_texture(row));
+        set_texture(object, row);
     return object;
 }
 
@@ -437,15 +377,16 @@ void print_csv_rows(const score_run *run, char *columns, row_maker *make) {
 }
 
 void print_csv_scores(const score_run *run) {
+    const bool is_textured = has_textures(run);
     char last[180];
     snprintf(last, sizeof last, "%s%s,name,warnings,error",
-             has_textures(run)
+             is_textured
                  ? ",blame=texture.blame.0.property,blame_jod=texture.blame.0.jod,mistake=texture.blame.0.mistake"
                  : "",
              has_gate(&run->gate) ? ",gate" : "");
-    print_csv_rows(
-        run, score_columns("reference,test", run->model, run->metrics, has_textures(run) ? "texture." : NULL, last),
-        plain_json);
+    const unsigned groups =
+        score_groups(run->model) | COLUMNS_SCORE | COLUMNS_METRICS | (is_textured ? COLUMNS_TEXTURE : 0);
+    print_csv_rows(run, list_columns("reference,test", groups, run->metrics, last), plain_json);
 }
 
 json_t *json_scores(const score_run *run) {

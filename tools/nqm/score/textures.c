@@ -152,13 +152,14 @@ static json_t *json_blame(const nqm_texture_result *t) {
     return list;
 }
 
-json_t *json_texture(const scored_pair *row) {
+void set_texture(json_t *object, const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    return json_row("texels:[zz] different:z scored:z texels_per_pixel:z error:f median_jod:f worst_jod:f below_9:f "
-                    "below_8:f far_jod:f far_jod_low:f far_jod_high:f far_delta_e_itp:f blame:o delta_e_max:o",
-                    t->width, t->height, t->n_different, t->n_scored, t->texels_per_pixel, t->error, t->median,
-                    t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2], t->far_delta_e,
-                    json_blame(t), isnan(row->heat_max) ? NULL : json_number(row->heat_max));
+    json_set(object,
+             "texture:{texels:[zz] different:z scored:z texels_per_pixel:z error:f far_delta_e_itp:f blame:o "
+             "delta_e_max:o}",
+             t->width, t->height, t->n_different, t->n_scored, t->texels_per_pixel, t->error, t->far_delta_e,
+             json_blame(t), isnan(row->heat_max) ? NULL : json_number(row->heat_max));
+    set_columns(object, COLUMNS_TEXTURE, NULL, &row->result, t);
 }
 
 bool has_textures(const score_run *run) {
@@ -168,13 +169,18 @@ bool has_textures(const score_run *run) {
     return false;
 }
 
-const char *const texture_columns[TEXTURE_NUMBERS] = {"median_jod", "worst_jod",   "below_9",     "below_8",
-                                                      "far_jod",    "far_jod_low", "far_jod_high"};
-
 texture_numbers texture_numbers_of(const nqm_texture_result *t) {
-    static const nqm_texture_result none = {
-        .median = NAN, .worst = NAN, .below = {NAN, NAN}, .far_jod = {NAN, NAN, NAN}};
-    t = t ? t : &none;
-    return (texture_numbers){
-        {t->median, t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2]}};
+    texture_numbers numbers;
+    nqm_column c;
+    for (size_t i = 0, k = 0; (c = nqm_score_column(i, NULL, t)).name; ++i)
+        if (c.group == NQM_COLUMN_TEXTURE && k < TEXTURE_NUMBERS)
+            numbers.v[k++] = c.number;
+    return numbers;
+}
+
+void set_texture_numbers(json_t *object, const texture_numbers *numbers) {
+    nqm_column c;
+    for (size_t i = 0, k = 0; (c = nqm_score_column(i, NULL, NULL)).name; ++i)
+        if (c.group == NQM_COLUMN_TEXTURE && k < TEXTURE_NUMBERS)
+            json_object_set_new(object, c.name, json_number(numbers->v[k++]));
 }

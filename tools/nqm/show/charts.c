@@ -4,7 +4,6 @@
  */
 #include "nqm/show/charts.h"
 
-#include "brdf/brdf.h"
 
 #include <math.h>
 
