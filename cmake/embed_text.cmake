@@ -39,7 +39,7 @@ foreach(input IN LISTS INPUTS)
   string(APPEND tables "    {\"${table}\", \"${model}\", \"${doi}\",\n     \"${text}\"},\n")
 endforeach()
 file(WRITE ${OUTPUT} "/* Generated from presets/ by cmake/embed_text.cmake: do not edit. */
-#include \"schema/presets.h\"
+#include \"schema/schema.h\"
 
 const nqm_preset_table nqm_preset_tables[] = {
 ${tables}    {0, 0, 0, 0}};

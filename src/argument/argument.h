@@ -122,8 +122,9 @@ void nqm_argument_read(nqm_argument *argument, nqm_argument_files *files);
 /* Select the material of an argument, and open it. name: of the BRDF. */
 nqm_status nqm_argument_open_material(const nqm_argument *argument, const char *name, nqm_brdf **brdf_ret,
                                       nqm_error *err);
-/* As nqm_brdf_open(), with another name for the BRDF's information. */
-nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/* As nqm_brdf_open(), with another name for the BRDF's information. files: of nqm_argument_parse(). */
+nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_argument_files *files, nqm_brdf **brdf_ret,
+                                  nqm_error *err);
 
 /* ---- BRDFs that are not open yet ---------------------------------------------------------------------------------- */
 
@@ -133,7 +134,6 @@ typedef struct nqm_subject {
     const nqm_values *values;
     double tilt_deg, azimuth_deg; /**< of the normal, as in "tilt:"; 0: it is (0, 0, 1) */
 } nqm_subject;
-nqm_subject nqm_subject_named(const char *name);
 /** Set the normal, a unit vector: tilted by at most 60 degrees, and not below a thousandth. */
 void nqm_subject_tilt(nqm_subject *subject, const double normal[3]);
 /** Whether they have the same name, or the same values, and the same normal. */

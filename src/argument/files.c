@@ -7,7 +7,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <string.h>
 
 enum { N_KEPT = 2 }; /* lists pair the materials of two files */
 

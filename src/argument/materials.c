@@ -4,9 +4,6 @@
  */
 #include "argument/argument.h"
 
-#include "base/names.h"
-#include <string.h>
-
 /* There is no material of that name, or it is to be named (NULL). */
 static nqm_status fail_select(const nqm_argument *a, nqm_error *err) {
     enum { MOST = 1000 }; /* materials of which the nearest name is found */
@@ -87,7 +84,7 @@ static const char *byte_text(int64_t byte, char text[40]) {
 static nqm_status open_spec(const nqm_argument *a, const nqm_material_info *info, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
     nqm_error why = {0};
-    nqm_status status = nqm_argument_open_text(info->spec, name, brdf_ret, &why);
+    nqm_status status = nqm_argument_open_text(info->spec, name, NULL, brdf_ret, &why);
     char byte[40];
     if (status == NQM_ERR_ARG)
         return nqm_fail(err, NQM_ERR_FORMAT, info->byte_offset, "%s: the material '%s' (%s%s): %s", a->path, info->name,

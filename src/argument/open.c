@@ -5,10 +5,7 @@
 #include "argument/argument.h"
 
 #include "brdf/core/spec.h"
-#include "schema/presets.h"
 #include <errno.h>
-#include <string.h>
-#include <sys/stat.h>
 
 static nqm_status fail_absent(const char *path, nqm_error *err) {
     struct stat st;
@@ -50,36 +47,31 @@ static nqm_status fail_missing(const char *text, nqm_error *err) {
                : nqm_fail(err, NQM_ERR_IO, -1, "%.200s: No such file or directory, and no model '%s'", text, model);
 }
 
-/* ---- BRDFs that wrappers name ------------------------------------------------------------------------------------ */
-
 static nqm_status open_base(void *user, const char *text, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
     (void)user;
     *is_lent_ret = false;
-    return nqm_argument_open_text(text, text, brdf_ret, err);
+    return nqm_argument_open_text(text, text, NULL, brdf_ret, err);
 }
 
 nqm_status nqm_argument_wrap(const nqm_argument *a, const char *name, nqm_base_opener *open, void *user,
                              nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_between_bases bases = {.of = NULL};
-    bool of_lent, with_lent = true;
+    bool is_lent = false;
+    nqm_values values;
     *brdf_ret = NULL;
-    nqm_status status = nqm_wrapper_check(a->wrapper, a->settings, err); /* first: opening may take long */
+    nqm_status status = nqm_wrapper_parse(a->wrapper, a->settings, &values, err); /* first: opening may take long */
     if (status == NQM_OK)
-        status = open(user, a->of, &bases.of, &of_lent, err);
-    if (status != NQM_OK)
-        return status;
-    if (a->with)
-        status = open(user, a->with, &bases.with, &with_lent, err);
-    bases.owns_of = !of_lent;
-    bases.owns_with = !with_lent;
+        status = open(user, a->of, &bases.of, &is_lent, err);
+    bases.owns_of = !is_lent;
+    if (status == NQM_OK && a->with)
+        status = open(user, a->with, &bases.with, &is_lent, err);
+    bases.owns_with = !is_lent;
     if (status == NQM_OK)
-        return nqm_wrapper_make(a->wrapper, a->settings, name, &bases, brdf_ret, err);
-    if (!of_lent)
+        return nqm_wrapper_make(a->wrapper, &values, &bases, name, brdf_ret, err);
+    if (bases.owns_of)
         nqm_brdf_free(bases.of);
     return status;
 }
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* A file that is no material, or that of a folder. */
 static nqm_status open_file(nqm_argument *a, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -132,8 +124,9 @@ nqm_status nqm_argument_open(nqm_argument *a, nqm_brdf **brdf_ret, nqm_error *er
     return open_as(a, a->text, brdf_ret, err);
 }
 
-nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_argument *a = nqm_argument_parse(text, NULL);
+nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_argument_files *files, nqm_brdf **brdf_ret,
+                                  nqm_error *err) {
+    nqm_argument *a = nqm_argument_parse(text, files);
     *brdf_ret = NULL;
     nqm_status status = a ? open_as(a, name, brdf_ret, err) : nqm_fail_nomem(err, strlen(text) + 1);
     nqm_argument_free(a);
@@ -142,7 +135,7 @@ nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf *
 
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     NQM_MAKE(err, brdf_ret, path_or_spec);
-    return nqm_argument_open_text(path_or_spec, path_or_spec, brdf_ret, err);
+    return nqm_argument_open_text(path_or_spec, path_or_spec, NULL, brdf_ret, err);
 }
 
 nqm_status nqm_argument_open_below(const char *text, const char *root, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -150,7 +143,7 @@ nqm_status nqm_argument_open_below(const char *text, const char *root, nqm_brdf 
     *brdf_ret = NULL;
     if (!path)
         return nqm_fail_nomem(err, strlen(text) + 1);
-    nqm_status status = nqm_argument_open_text(path, path, brdf_ret, err);
+    nqm_status status = nqm_argument_open_text(path, path, NULL, brdf_ret, err);
     nqm_free(path);
     return status;
 }

@@ -6,8 +6,6 @@
 #include "argument/argument.h"
 
 #include "brdf/core/spec.h"
-#include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MAX_DEPTH = 16 };

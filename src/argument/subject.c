@@ -3,14 +3,8 @@
  * BRDFs that are not open yet: names, and values of a texel with its normal.
  */
 #include "argument/argument.h"
-#include "math/math.h"
 
 #include <math.h>
-#include <string.h>
-
-nqm_subject nqm_subject_named(const char *name) {
-    return (nqm_subject){.name = name};
-}
 
 void nqm_subject_tilt(nqm_subject *subject, const double normal[3]) {
     const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
@@ -44,17 +38,11 @@ uint64_t nqm_subject_hash(const nqm_subject *s) {
     return s->name ? add_bytes(hash, s->name, strlen(s->name)) : add_bytes(hash, s->values->v, values_size(s->values));
 }
 
-static nqm_status open_name(const char *name, nqm_argument_files *files, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_argument *a = nqm_argument_parse(name, files);
-    nqm_status status = a ? nqm_argument_open(a, brdf_ret, err) : nqm_fail_nomem(err, strlen(name) + 1);
-    nqm_argument_free(a);
-    return status;
-}
-
 nqm_status nqm_subject_open(const nqm_subject *s, nqm_argument_files *files, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *of = NULL;
     *brdf_ret = NULL;
-    nqm_status status = s->name ? open_name(s->name, files, &of, err) : nqm_brdf_of_values(s->values, &of, err);
+    nqm_status status =
+        s->name ? nqm_argument_open_text(s->name, s->name, files, &of, err) : nqm_brdf_of_values(s->values, &of, err);
     if (status == NQM_OK && s->tilt_deg > 0)
         return nqm_brdf_tilt_degrees(of, s->tilt_deg, s->azimuth_deg, brdf_ret, err);
     *brdf_ret = of;

@@ -137,12 +137,10 @@ NQM_MUST_CHECK nqm_status nqm_map_open_own(const char *path, nqm_map *map_ret, n
 NQM_MUST_CHECK nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err);
 /** Turn read-ahead on again. `everything`: also prefetch the whole map, because most of it is read next. */
 void nqm_map_expect(const nqm_map *map, bool everything);
-/** Copy n pieces of n_each bytes out of a map. If the file is still open, pieces are read from it, because a page fault
- *  costs more than reading a piece. Pieces that are not in the page cache are fetched concurrently, adjacent ones
- *  together. Bytes beyond the end of the file, even if it was truncated meanwhile, read as 0xff. Reorders `pieces`. */
+/** Read n pieces of n_each bytes from the file of a map that has_fd: a page fault costs more than reading a piece. Pieces that are not
+ *  in the page cache are fetched concurrently, adjacent ones together. Bytes beyond the end of the file, even if it was truncated
+ *  meanwhile, are 0xff. Reorders `pieces`. */
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each);
-/** Close the file of a map that nqm_map_gather() no longer reads, if it is open; the map remains valid. */
-void nqm_map_close_file(nqm_map *map);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 
@@ -239,6 +237,54 @@ typedef struct nqm_number_type {
     unsigned char n_bytes;
 } nqm_number_type;
 double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_endian);
+
+/** Load a shared library with the functions of these names (n), and store their addresses in `functions`, a struct of n function
+ *  pointers. It is never unloaded. false: it is not installed, or lacks a function. Linking a library would slow the start of every
+ *  program, including those that never use it (doc/performance.md, "Loading and start"). */
+bool nqm_dynamic_load(const char *soname, size_t n, const char *const *names, void *functions);
+
+/** A file that is embedded at build time (cmake/models.cmake). */
+typedef struct nqm_embedded_file {
+    const char *name;           /**< the file's name without folder and extension; NULL ends a table */
+    const unsigned char *begin; /**< the whole file, 64-byte aligned */
+    const unsigned char *end;
+} nqm_embedded_file;
+/** "default" in libnqm, "default" and "paper" in libnqm-full and the tool. */
+extern const nqm_embedded_file nqm_embedded_models[];
+
+/* ---- names ------------------------------------------------------------------------------------------------------- */
+
+/** A list of strings; a zeroed list is empty. */
+typedef struct nqm_names {
+    size_t n, max_n, n_text, max_text;
+    size_t *start; /* (n) offset of each string in `text` */
+    char *text;    /* (n_text) NUL-terminated strings */
+} nqm_names;
+
+/** The i-th string, i < n; valid until the next string is added. */
+static inline const char *nqm_name(const nqm_names *names, size_t i) {
+    return names->text + names->start[i];
+}
+/** Append a string of n_bytes without NUL. */
+NQM_MUST_CHECK nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err);
+/** Find a string, or append it; *index_ret is its index. The search is linear and starts at the end. */
+NQM_MUST_CHECK nqm_status nqm_names_intern(nqm_names *names, const char *name, size_t n_bytes, uint32_t *index_ret,
+                                           nqm_error *err);
+void nqm_names_free(nqm_names *names);
+
+/** Whether a file name ends in `suffix` (any case) and has something before it. */
+bool nqm_name_ends_in(const char *path, const char *suffix);
+
+/** The name among several that is most like a misspelt one. */
+typedef struct nqm_nearest {
+    const char *wanted;
+    size_t distance;  /* distance of the nearest name so far; larger than the limit when there is none */
+    char advice[120]; /* " (did you mean 'score'?)", or "" */
+} nqm_nearest;
+nqm_nearest nqm_nearest_begin(const char *wanted);
+/** Offer a name. Names count as near when a third of the letters (at least 1, at most 4) must be inserted, deleted, replaced or
+ *  exchanged with the next. Case, '-' and '_' make no difference. */
+void nqm_nearest_add(nqm_nearest *nearest, const char *name);
 
 /* ---- names to values --------------------------------------------------------------------------------------------- */
 

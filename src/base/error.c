@@ -70,8 +70,6 @@ void nqm_remark_add(char *remark, size_t size, const char *format, ...) {
     va_end(arguments);
     if (!*text || has_remark(remark, text))
         return;
-    if (n + 2 + strlen(text) < size)
-        snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text);
-    else if (snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text) > 0)
+    if (snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text) >= (int)(size - n))
         snprintf(remark + size - 4, 4, "...");
 }

@@ -7,18 +7,14 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-void nqm_map_close_file(nqm_map *map) {
+static void close_file(nqm_map *map) {
     if (map->has_fd)
         close(map->fd);
     map->has_fd = false;
 }
-
-/* ---- folders ----------------------------------------------------------------------------------------------------- */
 
 static char *only_within; /* of which files are read, without links; NULL: of any */
 
@@ -41,8 +37,6 @@ static nqm_status check_folder(const char *path, nqm_error *err) {
                ? NQM_OK
                : nqm_fail(err, NQM_ERR_IO, -1, "%s: is not read: no file inside of %s", path, only_within);
 }
-
-/* ---- maps -------------------------------------------------------------------------------------------------------- */
 
 /* keep: leave the descriptor open, owned by the map. is_input: the run must not replace the file. */
 static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *map_ret, nqm_error *err) {
@@ -87,7 +81,7 @@ nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *er
     if (map_ret->data) /* advice only, failure is harmless */
         (void)posix_madvise((void *)(uintptr_t)map_ret->data, map_ret->n_bytes, POSIX_MADV_RANDOM);
     if (map_ret->has_fd && map_ret->fd >= MAX_KEPT_FD)
-        nqm_map_close_file(map_ret);
+        close_file(map_ret);
     return status;
 }
 
@@ -101,7 +95,7 @@ void nqm_map_expect(const nqm_map *map, bool everything) {
 }
 
 void nqm_map_close(nqm_map *map) {
-    nqm_map_close_file(map);
+    close_file(map);
     if (map->data)
         munmap((void *)(uintptr_t)map->data, map->n_bytes);
     *map = (nqm_map){0};

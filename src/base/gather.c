@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads small pieces from many places of a large file: first the leading pieces that are in the page cache, without
- * waiting; then the others, in order of offset, after asking the system to prefetch all of them.
+ * Small pieces from many places of a large file: first the leading pieces that are in the page cache, without waiting; then the
+ * others, in order of offset, after asking the system to prefetch all of them.
  */
 /* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
 #define _GNU_SOURCE /* preadv2 */
@@ -9,7 +9,6 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -42,13 +41,6 @@ static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
 }
 
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each) {
-    for (size_t i = 0; !map->has_fd && i < n; ++i)
-        if (pieces[i].offset <= map->n_bytes && n_each <= map->n_bytes - pieces[i].offset)
-            memcpy(pieces[i].out, map->data + pieces[i].offset, n_each);
-        else
-            memset(pieces[i].out, 0xff, n_each);
-    if (!map->has_fd)
-        return;
     (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no read-ahead beyond the requested pieces */
     size_t n_read = read_present(map->fd, n, pieces, n_each);
     pieces += n_read, n -= n_read;

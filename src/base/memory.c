@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Checked, zeroed and aligned allocation. All code of the library allocates with these functions, so that tests can
- * make the n-th allocation fail (nqm_alloc_fail_after).
+ * Checked, zeroed and aligned allocation.
  */
 #include "base/base.h"
 #include "base/memory_test.h"
@@ -9,7 +8,6 @@
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 
 enum { ALIGNMENT = 64 }; /* bytes of a cache line, and of the widest vector register */

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists of strings and the nearest of several names (names.h).
+ * Lists of strings and the nearest of several names (base.h).
  */
-#include "base/names.h"
+#include "base/base.h"
 
-#include <stdbool.h>
-#include <stdio.h>
-#include <string.h>
 #include <strings.h>
 
 nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
@@ -37,8 +34,6 @@ void nqm_names_free(nqm_names *names) {
     nqm_free(names->text);
     *names = (nqm_names){0};
 }
-
-/* ---- the nearest name -------------------------------------------------------------------------------------------- */
 
 enum { MAX_LENGTH = 40 };
 

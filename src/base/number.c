@@ -8,7 +8,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static locale_t c_locale; /* created once and never freed: a few hundred bytes */
@@ -39,33 +38,24 @@ double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_en
     return type.kind == 'i' ? (double)((int64_t)(bits << n_unused) >> n_unused) : (double)bits;
 }
 
-/* Pass the values in little-endian order to `take`: all at once, or on a big-endian host in converted pieces. */
-static void pass_little_endian(size_t n, size_t n_each, const void *values,
-                               void (*take)(void *user, const void *data, size_t n_bytes), void *user) {
-    unsigned char piece[4096];
+void nqm_write_values(FILE *stream, size_t n, size_t n_each, const void *values) {
+    unsigned char little[8];
     if (!NQM_BIG_ENDIAN)
-        take(user, values, n * n_each);
-    for (size_t at = 0; NQM_BIG_ENDIAN && at < n * n_each; at += sizeof piece) {
-        const size_t n_bytes = nqm_smaller(n * n_each - at, sizeof piece);
-        nqm_copy_little_endian(n_bytes / n_each, n_each, (const unsigned char *)values + at, piece);
-        take(user, piece, n_bytes);
+        fwrite(values, n_each, n, stream);
+    for (size_t i = 0; NQM_BIG_ENDIAN && i < n; ++i) {
+        nqm_copy_little_endian(1, n_each, (const unsigned char *)values + i * n_each, little);
+        fwrite(little, 1, n_each, stream);
     }
 }
 
-static void write_bytes(void *stream, const void *data, size_t n_bytes) {
-    fwrite(data, 1, n_bytes, stream);
-}
-
-static void hash_bytes(void *sha, const void *data, size_t n_bytes) {
-    nqm_sha256_add(sha, data, n_bytes);
-}
-
-void nqm_write_values(FILE *stream, size_t n, size_t n_each, const void *values) {
-    pass_little_endian(n, n_each, values, write_bytes, stream);
-}
-
 void nqm_sha256_add_values(nqm_sha256 *sha, size_t n, size_t n_each, const void *values) {
-    pass_little_endian(n, n_each, values, hash_bytes, sha);
+    unsigned char little[8];
+    if (!NQM_BIG_ENDIAN)
+        nqm_sha256_add(sha, values, n * n_each);
+    for (size_t i = 0; NQM_BIG_ENDIAN && i < n; ++i) {
+        nqm_copy_little_endian(1, n_each, (const unsigned char *)values + i * n_each, little);
+        nqm_sha256_add(sha, little, n_each);
+    }
 }
 
 bool nqm_parse_double(const char *text, const char **end, double *value) {

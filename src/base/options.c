@@ -3,10 +3,8 @@
  * Options described by tables: defaults, range checks, names, conversion to and from text.
  */
 #include "base/options.h"
-#include "base/names.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 

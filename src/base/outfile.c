@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Output files that are renamed to their final name when they are complete: a reader never sees a partial file, and an
- * interrupted run leaves an existing file unchanged. The temporary file is locked while it is written, so that a later
- * run can tell the file of a killed process, which it removes, from one that another process is writing.
+ * Output files that are renamed to their final name when they are complete. The temporary file is locked while it is written, so that
+ * a later run can tell the file of a killed process, which it removes, from one that another process is writing.
  */
 #include "base/base.h"
 
@@ -10,9 +9,7 @@
 #include <fcntl.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 bool nqm_is_file_at(int fd, const char *path) {

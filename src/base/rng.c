@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random numbers with explicit state: xoshiro256** (Blackman and Vigna 2021, DOI 10.1145/3460772) seeded by splitmix64
- * (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195), and a counter-based hash for random values that must not
- * depend on the order of calls.
+ * Random numbers with explicit state, seeded by splitmix64 (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195).
  */
 #include "base/base.h"
 

@@ -21,14 +21,10 @@ void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes) {
 }
 
 void nqm_sha256_end(nqm_sha256 *sha, char hex[65]) {
-    static const char digits[] = "0123456789abcdef";
     unsigned char sum[EVP_MAX_MD_SIZE] = {0};
     EVP_DigestFinal_ex(sha->context, sum, NULL);
     EVP_MD_CTX_free(sha->context);
     sha->context = NULL;
-    for (int i = 0; i < 32; ++i) {
-        hex[2 * i] = digits[sum[i] >> 4];
-        hex[2 * i + 1] = digits[sum[i] & 15];
-    }
-    hex[64] = '\0';
+    for (size_t i = 0; i < 32; ++i)
+        snprintf(hex + 2 * i, 3, "%02x", sum[i]);
 }

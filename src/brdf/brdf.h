@@ -151,11 +151,13 @@ typedef struct nqm_between_bases {
 typedef struct nqm_spec_wrapper nqm_spec_wrapper;
 /** The kind of BRDF made of others whose name and a colon begin the text; NULL: none. */
 const nqm_spec_wrapper *nqm_spec_wrapper_of(const char *text);
-/** Such a BRDF of opened ones: `settings` as in its spec, without `with` and `of`. name: of the result; NULL: its spec. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const char *name,
-                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
-/** Whether its settings are right, before its BRDFs are opened. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_check(const nqm_spec_wrapper *w, const char *settings, nqm_error *err);
+/** Parse its settings, `with` and `of` left out. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_parse(const nqm_spec_wrapper *w, const char *settings, nqm_values *values,
+                                            nqm_error *err);
+/** Such a BRDF of opened ones. name: of the result; NULL: its spec. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const nqm_values *values,
+                                           const nqm_between_bases *bases, const char *name, nqm_brdf **brdf_ret,
+                                           nqm_error *err);
 
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,

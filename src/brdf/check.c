@@ -4,7 +4,6 @@
  * and the counts of clamped and missing values. The largest difference of two BRDFs over such pairs.
  */
 #include "brdf/formats/listed.h"
-#include "math/math.h"
 
 #include <math.h>
 
@@ -22,12 +21,8 @@ static void draw_pair(bool in_plane, nqm_rng *rng, size_t i, double max_polar_de
             nqm_half_diff_to_pair(hd, wi, wo);
         } else {
             double r_i = sqrt(u), r_o = sqrt(v);
-            double pair[2][3] = {{r_i, 0, sqrt(1 - u)},
-                                 {r_o * cos(2 * NQM_PI * w), r_o * sin(2 * NQM_PI * w), sqrt(1 - v)}};
-            for (int a = 0; a < 3; ++a) {
-                wi[a] = pair[0][a];
-                wo[a] = pair[1][a];
-            }
+            memcpy(wi, (double[3]){r_i, 0, sqrt(1 - u)}, 3 * sizeof *wi);
+            memcpy(wo, (double[3]){r_o * cos(2 * NQM_PI * w), r_o * sin(2 * NQM_PI * w), sqrt(1 - v)}, 3 * sizeof *wo);
         }
     } while (wi[2] < lowest || wo[2] < lowest);
     if (!in_plane)
@@ -154,10 +149,8 @@ static void add_difference(const double *wi, const double *wo, const double *ref
         d->channel = (int)c;
         d->ref = ref[c];
         d->test = test[c];
-        for (size_t a = 0; a < 3; ++a) {
-            d->wi[a] = wi[a];
-            d->wo[a] = wo[a];
-        }
+        memcpy(d->wi, wi, sizeof d->wi);
+        memcpy(d->wo, wo, sizeof d->wo);
     }
     d->n_different += differs;
 }

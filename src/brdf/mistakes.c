@@ -5,7 +5,6 @@
 #include "brdf/core/mistakes.h"
 
 #include "brdf/core/spec.h"
-#include <string.h>
 
 #define TWIN_OF(NAME, ...) &nqm_##NAME##_model_mistaken,
 static const nqm_analytic_model *const twins[] = {NQM_SHADING_SCHEMAS(TWIN_OF)};

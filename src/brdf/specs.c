@@ -3,10 +3,6 @@
  * The list of all models and wrappers, and BRDFs from specs "MODEL:key=value;..." and "TABLE:PRESET".
  */
 #include "brdf/core/spec.h"
-#include "schema/presets.h"
-
-#include <stddef.h>
-#include <string.h>
 
 #define POINTER_TO(NAME)         &(NAME),
 #define SHADING_MODEL(NAME, ...) &nqm_##NAME##_model,
@@ -16,8 +12,6 @@ static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_T
 static const nqm_spec_wrapper *const wrappers[] = {&nqm_perturb_wrapper, &nqm_between_wrapper, &nqm_rotate_wrapper,
                                                    &nqm_tilt_wrapper, NULL};
 enum { MAX_NESTED = 3 };
-
-/* ---- names ------------------------------------------------------------------------------------------------------- */
 
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
     const nqm_analytic_model *const *m = models;
@@ -65,13 +59,9 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
         nqm_nearest_add(nearest, (*w)->schema.model);
 }
 
-/* ---- names of presets --------------------------------------------------------------------------------------------- */
-
 const char *nqm_brdf_preset_name(size_t i) {
     return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* "kd (RGB), ks (RGB), alpha (x, y)" */
 static size_t describe(const nqm_schema *schema, char *layout, size_t n_layout) {

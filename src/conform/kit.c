@@ -7,10 +7,6 @@
 
 #include "fit/fit.h"
 #include "math/math.h"
-#include <nqm/samples.h>
-
-#include <math.h>
-#include <string.h>
 
 const double nqm_conform_azimuths_deg[NQM_CONFORM_AZIMUTHS] = {0, 90, 40};
 
@@ -187,15 +183,13 @@ static bool finish_sets(nqm_conform_kit *kit) {
 
 static void rotate_directions(nqm_conform_kit *kit, const nqm_directions *directions) {
     for (size_t i = 0; i < NQM_CONFORM_AZIMUTHS; ++i) {
-        const double angle = nqm_conform_azimuths_deg[i] * NQM_PI / 180, c = i ? cos(angle) : 1, s = i ? sin(angle) : 0;
+        const double angle = nqm_conform_azimuths_deg[i] * NQM_PI / 180,
+                     turn[2] = {i ? sin(angle) : 0, i ? cos(angle) : 1};
         for (size_t side = 0; side < 2; ++side) {
             const double *from = side ? nqm_directions_get_info(directions).wo : nqm_directions_get_info(directions).wi;
             double *to = nqm_conform_directions(kit, i, side), *end = to + 3 * kit->n_directions;
-            for (; to < end; from += 3, to += 3) {
-                to[0] = c * from[0] - s * from[1];
-                to[1] = s * from[0] + c * from[1];
-                to[2] = from[2];
-            }
+            for (; to < end; from += 3, to += 3)
+                nqm_turn3(turn, from, to);
         }
     }
 }

@@ -8,10 +8,8 @@
 #include "brdf/core/mistakes.h"
 #include "math/math.h"
 
-#include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { MAX_SUSPECTS = 400 };
 

@@ -6,11 +6,7 @@
 
 #include "math/math.h"
 
-#include <math.h>
-#include <string.h>
 #include <strings.h>
-
-/* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
 static void write_rows(const nqm_conform_kit *kit, FILE *out) {
     fprintf(out, "set,%s,light_x,light_y,light_z,viewer_x,viewer_y,viewer_z\n", kit->names);
@@ -25,8 +21,6 @@ static void write_rows(const nqm_conform_kit *kit, FILE *out) {
         }
     }
 }
-
-/* ---- shaders ----------------------------------------------------------------------------------------------------- */
 
 typedef struct language {
     const char *name, *vector; /* "vec": vec2, vec3 */

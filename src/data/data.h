@@ -6,7 +6,6 @@
 #define NQM_SRC_DATA_H
 
 #include "base/base.h"
-#include "base/names.h"
 #include "io/io.h"
 #include "metric/metric.h"
 #include "model/model.h"

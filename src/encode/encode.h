@@ -6,7 +6,6 @@
 #ifndef NQM_SRC_ENCODE_H
 #define NQM_SRC_ENCODE_H
 
-#include "base/embedded.h"
 #include "brdf/brdf.h"
 #include "io/io.h"
 #include <nqm/brdf.h>

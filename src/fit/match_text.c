@@ -2,7 +2,6 @@
  *
  * The text of a loss: "auto", "auto:SUM" or SUM, where SUM is "WEIGHT*WORD+...".
  */
-#include "base/names.h"
 #include "fit/fit.h"
 
 /* Chosen on ten measured materials that no test uses (doc/fitting.md): the term of values keeps the fit from what one set of

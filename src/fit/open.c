@@ -4,7 +4,6 @@
  * variations of it with which corpora test a metric: a point on the path of the optimiser (steps), a network that overfits few
  * directions (at, own), a reciprocal table (model=table).
  */
-#include "base/names.h"
 #include "fit/fit.h"
 #include "math/math.h"
 

@@ -3,7 +3,6 @@
  * Reads single members of a zip archive with libzip, from the mapped file. A member's declared size is checked
  * before memory is allocated.
  */
-#include "base/names.h"
 #include "io/io.h"
 
 #include <string.h>

@@ -67,7 +67,7 @@ static nqm_status draw_texture(struct nqm_library_state *s, const char *argument
 
 nqm_status nqm_library_draw_one(struct nqm_library_state *s, const nqm_library_member *member, nqm_gallery *gallery,
                                 size_t at, nqm_error *why, nqm_error *err) {
-    const nqm_subject subject = nqm_subject_named(member->argument);
+    const nqm_subject subject = (nqm_subject){.name = member->argument};
     return member->is_textured ? draw_texture(s, member->argument, gallery, at, why, err)
                                : nqm_scorer_draw(s->scorer, 1, &subject, gallery, at, why, err);
 }
@@ -89,7 +89,7 @@ static nqm_status draw_block(nqm_library *of, size_t begin, size_t n, size_t *n_
     nqm_error errors[NQM_SCORE_BLOCK];
     size_t n_good = 0;
     for (size_t i = 0; i < n; ++i)
-        subjects[i] = nqm_subject_named(members[i].argument);
+        subjects[i] = (nqm_subject){.name = members[i].argument};
     nqm_status status = n == 1 ? nqm_library_draw_one(s, members, s->gallery, *first, errors, err)
                                : nqm_scorer_draw(s->scorer, n, subjects, s->gallery, *first, errors, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {

@@ -413,7 +413,7 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < 2 * n; ++i)
-            subjects[i] = nqm_subject_named(i % 2 ? pairs[begin + i / 2].test : pairs[begin + i / 2].ref);
+            subjects[i] = (nqm_subject){.name = i % 2 ? pairs[begin + i / 2].test : pairs[begin + i / 2].ref};
         status = nqm_scorer_run_subjects(scorer, n, subjects, results + begin, errors ? errors + begin : NULL, err);
     }
     return status;

@@ -4,7 +4,6 @@
  * NumPy computed the expected values of BRDFs and of the JOD curve (tests/vectors/selftest.py); the golden scores of a
  * model were computed when it was created.
  */
-#include "base/embedded.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/metric.h"

@@ -3,7 +3,6 @@
  * The description of models; their deallocation; copies of models for changes to them: calibration, text of the card,
  * weights in float16.
  */
-#include "base/embedded.h"
 #include "kernel/half.h"
 #include "model/model_file.h"
 

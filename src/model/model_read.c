@@ -4,8 +4,6 @@
  * wrong type or shape, a value that is not finite or a wrong checksum is an error; for a tensor the message gives its
  * name.
  */
-#include "base/embedded.h"
-#include "base/names.h"
 #include "model/model_file.h"
 
 #include <string.h>

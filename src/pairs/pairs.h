@@ -6,7 +6,6 @@
 #define NQM_SRC_PAIRS_H
 
 #include "argument/argument.h"
-#include "base/names.h"
 #include "io/io.h"
 #include <nqm/pairs.h>
 

@@ -4,11 +4,11 @@
  * threads trace the rays. The SSE2 kernels are selected because they use no fused operations, so that a scene is identical
  * on every processor; creating a scene becomes a few percent slower.
  */
-#include "base/dynamic.h"
 #include "render/render.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 #define EMBREE_FUNCTIONS(X)                                                                                            \
@@ -27,10 +27,17 @@
     X(rtcIntersect1)                                                                                                   \
     X(rtcOccluded1)
 
-/* Embree and its threading library are loaded with the first mesh. */
-static struct { EMBREE_FUNCTIONS(NQM_DYNAMIC_MEMBER) } embree;
-static const char *const names[] = {EMBREE_FUNCTIONS(NQM_DYNAMIC_NAME)};
-static nqm_dynamic library = NQM_DYNAMIC(NQM_EMBREE_SONAME, names, embree);
+/* NOLINTNEXTLINE(bugprone-macro-parentheses): a member name takes no parentheses */
+#define MEMBER(name) __typeof__(name) *name;
+#define NAME(name)   #name,
+static struct { EMBREE_FUNCTIONS(MEMBER) } embree;
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static bool is_loaded;
+
+static void load(void) {
+    static const char *const names[] = {EMBREE_FUNCTIONS(NAME)};
+    is_loaded = nqm_dynamic_load(NQM_EMBREE_SONAME, sizeof names / sizeof *names, names, &embree);
+}
 
 struct nqm_tracer {
     RTCDevice device;
@@ -41,8 +48,10 @@ const char *nqm_tracer_version(void) {
     return RTC_VERSION_STRING;
 }
 
+/* Embree and its threading library are loaded with the first mesh. */
 bool nqm_tracer_available(void) {
-    return nqm_dynamic_get(&library);
+    pthread_once(&once, load);
+    return is_loaded;
 }
 
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
@@ -71,7 +80,7 @@ static bool add_triangles(nqm_tracer *t, const nqm_mesh *mesh) {
 
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
     *tracer_ret = NULL;
-    if (!nqm_dynamic_get(&library))
+    if (!nqm_tracer_available())
         return nqm_fail(err, NQM_ERR_IO, -1, "meshes need the library %s, which cannot be loaded", NQM_EMBREE_SONAME);
     nqm_tracer *t = nqm_alloc(1, sizeof *t);
     if (!t)

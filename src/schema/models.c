@@ -7,7 +7,6 @@
 #include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 #define DEFINE_SCHEMA(NAME, MODEL, KEYS, ALIAS, ABOUT)                                                                 \
     const nqm_schema nqm_##NAME##_schema = {.model = (MODEL),                                                          \
@@ -57,8 +56,6 @@ size_t nqm_schema_key_named(const nqm_schema *schema, const char *name, size_t n
     return k;
 }
 
-/* ---- roles -------------------------------------------------------------------------------------------------------- */
-
 size_t nqm_schema_key_of(const nqm_schema *schema, nqm_role role) {
     size_t k = 0;
     while (k < schema->n_keys && schema->keys[k].role != role)
@@ -100,8 +97,6 @@ bool nqm_schema_is_layer(const nqm_schema *schema, size_t key) {
     return (role == NQM_ROLE_COAT_WEIGHT || role == NQM_ROLE_SHEEN_WEIGHT || role == NQM_ROLE_SHEEN_COLOR) &&
            nqm_schema_layer_of(schema, key) == key;
 }
-
-/* ---- units -------------------------------------------------------------------------------------------------------- */
 
 /* In alpha, radians or nanometres. */
 static double to_common(double v, nqm_unit unit) {

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Published parameters of measured materials by name. The tables of presets/ are embedded as text; only the requested
- * row is parsed.
+ * Published parameters of measured materials by name, from the text of the tables of presets/.
  */
-#include "schema/presets.h"
-
-#include <string.h>
+#include "schema/schema.h"
 
 const char *nqm_preset_named(const char *material) {
     const char *found = NULL;
@@ -53,8 +50,6 @@ static const char *row_of(const char *table, const char *name) {
     }
     return NULL;
 }
-
-/* ---- suggestions ------------------------------------------------------------------------------------------------- */
 
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' || c == ' ' ? '-' : c;

@@ -5,7 +5,6 @@
 #include "schema/schema.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- values ------------------------------------------------------------------------------------------------------- */
 
@@ -130,13 +129,6 @@ static nqm_status parse_setting(const nqm_schema *schema, const char *text, cons
     return NQM_OK;
 }
 
-static bool has_defaults(const nqm_schema *schema) {
-    size_t k = 0;
-    while (k < schema->n_keys && !schema->keys[k].required)
-        ++k;
-    return k == schema->n_keys;
-}
-
 static nqm_status find_missing(const nqm_values *values, nqm_error *err) {
     const nqm_schema *schema = values->schema;
     for (size_t k = 0; k < schema->n_keys; ++k)
@@ -147,7 +139,7 @@ static nqm_status find_missing(const nqm_values *values, nqm_error *err) {
 
 nqm_status nqm_values_parse(const nqm_schema *schema, const char *text, nqm_values *values, nqm_error *err) {
     *values = nqm_values_of(schema);
-    if (!strchr(text, '=') && (*text || !has_defaults(schema)))
+    if (!strchr(text, '=') && (*text || find_missing(values, NULL) != NQM_OK))
         return fail_settings(schema, text, err);
     while (*text) {
         nqm_status status = parse_setting(schema, text, &text, values, err);

@@ -388,7 +388,7 @@ nqm_values nqm_texture_values(const nqm_texture *t, const float *rows, size_t i)
 
 nqm_subject nqm_texture_subject(const nqm_texture *t, const float *rows, size_t i, nqm_values *values) {
     if (t->argument)
-        return nqm_subject_named(t->argument);
+        return (nqm_subject){.name = t->argument};
     *values = nqm_texture_values(t, rows, i);
     return (nqm_subject){.values = values};
 }

@@ -7,7 +7,6 @@
  */
 #include "translate/translate.h"
 
-#include "base/names.h"
 #include "fit/fit.h"
 #include "material/gltf.h"
 #include "schema/models.h"

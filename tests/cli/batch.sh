@@ -54,7 +54,7 @@ cat >"$dir/pairs.jsonl" <<'END'
 END
 batch 0 "$dir/pairs.jsonl" -o "$dir/out.jsonl" --metrics mae
 sed -n 1p "$dir/out.jsonl" | grep -q '^{"reference":"sgd:nickel","test":"ward:nickel","human":{"jod":8.5,"n":12},"name":"café, \\"x\\"","jod":[0-9].*"verdict":"[a-z ]*","metrics":{"mae":[0-9.]*},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
-sed -n 2p "$dir/out.jsonl" | grep -q '^{"test":"sgd:nickel","reference":"sgd:nickel","weight":0.1,"jod":.*"novelty":[^,]*,"identical":true,"n_valid":20,"verdict":"identical","metrics":{"mae":0.0},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
+sed -n 2p "$dir/out.jsonl" | grep -q '^{"test":"sgd:nickel","reference":"sgd:nickel","weight":0.1,"jod":.*"identical":true,"n_valid":20,"novelty":[^,]*,"verdict":"identical","metrics":{"mae":0.0},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
 batch 0 "$dir/pairs.jsonl"
 sed -n 1p "$dir/out" | grep -q '^reference,test,human,name,weight,jod,' || fail "CSV of JSON Lines: header"
 sed -n 3p "$dir/out" | grep -q '^sgd:nickel,sgd:nickel,,,0.1,' || fail "CSV of JSON Lines: row"

@@ -60,13 +60,13 @@ awk -F, 'NR == 1 {for (i = 1; i <= NF; ++i) at[$i] = i}
     END {exit n != 9}' "$dir/out" || fail "CSV values: $(cat "$dir/out")"
 
 # ---- score, rank, batch: the columns of a label and the words; empty for a test without a score
-columns=shift_i,shift_t,shift_p,contrast,structure,similarity_jod,words
+columns=shift_i,shift_t,shift_p,contrast,structure,similarity_jod,similarity_low,similarity_high,words
 run 3 score sgd:nickel ward:nickel sgd:nickel "$dir/nowhere.binary" -m "$dir/six.safetensors" --csv --metrics mae
 [ "$(sed -n 1p "$dir/out")" = "reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict,$columns,mae,name,warnings,error" ] || fail "score --csv: $(cat "$dir/out")"
-sed -n 2p "$dir/out" | grep -q ',0,16,[0-9.e]*,[a-z ]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[0-9.e]*,[0-9.]*,"*[a-z]' || fail "score --csv: $(cat "$dir/out")"
-holds '^sgd:nickel,sgd:nickel,.*,1,16,[0-9.]*,identical,0,0,0,0,0,10,no visible difference,0,sgd:nickel,,$' 'nowhere.binary,,,,,,,,,,,,,,,,,'
+sed -n 2p "$dir/out" | grep -q ',0,16,[0-9.e]*,[a-z ]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[0-9.e]*,[0-9.]*,[0-9.]*,[0-9.]*,"*[a-z]' || fail "score --csv: $(cat "$dir/out")"
+holds '^sgd:nickel,sgd:nickel,.*,1,16,[0-9.]*,identical,0,0,0,0,0,10,10,10,no visible difference,0,sgd:nickel,,$' 'nowhere.binary,,,,,,,,,,,,,,,,,,,'
 run 0 rank sgd:nickel ward:nickel sgd:nickel -m "$dir/six.safetensors" --csv
-holds ",$columns," '^sgd:nickel,1,sgd:nickel,.*,0,0,0,0,0,10,no visible difference,sgd:nickel,$'
+holds ",$columns," '^sgd:nickel,1,sgd:nickel,.*,0,0,0,0,0,10,10,10,no visible difference,sgd:nickel,$'
 printf 'reference,test\nsgd:nickel,ward:nickel\nsgd:nickel,sgd:nickel\n' >"$dir/list.csv"
 run 0 batch "$dir/list.csv" -m "$dir/six.safetensors"
 holds "^reference,test,jod,.*,n_valid,novelty,verdict,$columns,warnings,error$" '^sgd:nickel,sgd:nickel,.*,10,no visible difference,'

@@ -4,7 +4,7 @@
  * numbers against published values, SHA-256 against the FIPS 180-4 examples, parallel loops, libraries loaded at run
  * time.
  */
-#include "base/dynamic.h"
+#include "base/base.h"
 #include "base/memory_test.h"
 #include "support/test.h"
 
@@ -56,13 +56,10 @@ TEST(test_libraries_when_needed) {
     struct {
         double (*cosine)(double), (*root)(double);
     } m;
-    nqm_dynamic there = NQM_DYNAMIC("libm.so.6", names, m), lacking = NQM_DYNAMIC("libm.so.6", missing, m),
-                absent = NQM_DYNAMIC("libnqm-no-such-library.so.1", names, m);
-    assert_true(nqm_dynamic_get(&there) && nqm_dynamic_get(&there));
+    assert_true(nqm_dynamic_load("libm.so.6", 2, names, &m));
     assert_true(m.cosine(0) == 1 && m.root(9) == 3);
-    assert_false(nqm_dynamic_get(&lacking));
-    assert_false(nqm_dynamic_get(&lacking));
-    assert_false(nqm_dynamic_get(&absent));
+    assert_false(nqm_dynamic_load("libm.so.6", 2, missing, &m));
+    assert_false(nqm_dynamic_load("libnqm-no-such-library.so.1", 2, names, &m));
 }
 
 static char folder[] = "/tmp/nqm-test-base-XXXXXX";

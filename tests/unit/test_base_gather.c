@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gathering scattered bytes from a file: correct bytes whether or not pages are in memory, with and without an open
- * file, across page boundaries, and past the end.
+ * Gathering scattered bytes from a file: correct bytes whether or not pages are in memory, across page boundaries,
+ * and past the end.
  */
 #include "base/base.h"
 #include "support/check.h"
@@ -67,22 +67,9 @@ TEST(gathers_from_disk_and_memory) {
     check_gathered(&map);
     nqm_map_expect(&map, true);
     check_gathered(&map);
-    nqm_map_close_file(&map);
-    assert_false(map.has_fd);
-    check_gathered(&map);
+    assert_int_equal(map.data[N_BYTES - 1], byte_at(N_BYTES - 1));
     nqm_map_close(&map);
     assert_null(map.data);
-}
-
-/* Gather from memory that does not begin at a page boundary. */
-TEST(gathers_at_any_alignment) {
-    unsigned char *data = malloc(N_BYTES + 3);
-    assert_non_null(data);
-    for (size_t i = 0; i < N_BYTES; ++i)
-        data[3 + i] = byte_at(i);
-    const nqm_map map = {.data = data + 3, .n_bytes = N_BYTES};
-    check_gathered(&map);
-    free(data);
 }
 
 static void assert_past_end(const nqm_map *map, size_t offset) {
@@ -104,13 +91,6 @@ TEST(says_what_is_past_the_end) {
     assert_int_equal(truncate(scratch_path("large"), 1000),
                      0); /* after opening: reading a plain mapping would raise SIGBUS */
     assert_past_end(&map, 500000);
-    nqm_map_close_file(&map);
-    for (size_t i = 1; i < 3; ++i) {
-        unsigned char out[N_EACH] = {0};
-        nqm_piece piece = {offsets[i], out};
-        nqm_map_gather(&map, 1, &piece, N_EACH);
-        assert_int_equal(out[0] & out[N_EACH - 1], 255);
-    }
     nqm_map_close(&map);
 }
 

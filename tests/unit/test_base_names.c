@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The nearest of several names (base/names.h).
+ * The nearest of several names (base.h).
  */
-#include "base/names.h"
+#include "base/base.h"
 #include "support/check.h"
 
 static const char *advice(const char *wanted) {

@@ -125,8 +125,10 @@ TEST(test_missing_values) {
         double rgb[3];
         uint8_t flag[2];
         const nqm_between_bases bases = {.of = empty};
-        assert_int_equal(
-            nqm_wrapper_make(nqm_spec_wrapper_of(settings[i][0]), settings[i][1], NULL, &bases, &brdf, NULL), NQM_OK);
+        const nqm_spec_wrapper *wrapper = nqm_spec_wrapper_of(settings[i][0]);
+        nqm_values values;
+        assert_int_equal(nqm_wrapper_parse(wrapper, settings[i][1], &values, NULL), NQM_OK);
+        assert_int_equal(nqm_wrapper_make(wrapper, &values, &bases, NULL, &brdf, NULL), NQM_OK);
         nqm_brdf_eval(brdf, 1, up, up, rgb, flag);
         nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, flag + 1);
         assert_true(flag[0] == NQM_VALUE_INVALID && flag[1] == NQM_VALUE_INVALID);

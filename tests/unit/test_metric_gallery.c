@@ -18,7 +18,7 @@ static nqm_status draw_names(nqm_scorer *scorer, size_t n, const char *const *of
                              nqm_error *errors, nqm_error *err) {
     nqm_subject subjects[N];
     for (size_t i = 0; i < n; ++i)
-        subjects[i] = nqm_subject_named(of[i]);
+        subjects[i] = (nqm_subject){.name = of[i]};
     return nqm_scorer_draw(scorer, n, subjects, gallery, first, errors, err);
 }
 

@@ -3,7 +3,6 @@
  * Pictures and maps to files: tone curve, sRGB, viridis, averaging, and the format by the file name.
  */
 #include "figures/picture.h"
-#include "base/names.h"
 #include "io/io.h"
 #include "io/raster.h"
 #include "math/math.h"

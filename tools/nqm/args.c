@@ -4,7 +4,6 @@
  * arguments; `--` ends them.
  */
 #include "argument/argument.h"
-#include "base/names.h"
 #include "metric/metric.h"
 #include "nqm/help.h"
 #include "pairs/pairs.h"

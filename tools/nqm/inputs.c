@@ -2,7 +2,6 @@
  *
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
-#include "base/names.h"
 #include "brdf/formats/listed.h"
 #include "fit/fit.h"
 #include "material/material.h"

@@ -2,7 +2,6 @@
  *
  * The verbs of the tool, each in a file cmd_*.c.
  */
-#include "base/names.h"
 #include "io/io.h"
 #include "nqm/help.h"
 #include "nqm/tool.h"

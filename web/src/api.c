@@ -3,7 +3,6 @@
  * The functions that JavaScript calls (web/nqm.js): BRDFs by number, results as JSON, pictures as pixels. Everything is computed by the
  * library and by the parts of the tool that have no command line.
  */
-#include "base/embedded.h"
 #include "brdf/brdf.h"
 #include "brdf/core/spec.h"
 #include "figures/picture.h"

@@ -9,7 +9,6 @@
  */
 #include "brdf/brdf.h"
 
-#include "math/math.h"
 #include <math.h>
 
 enum { N_WIDTHS = 8, BLOCK = 128 };

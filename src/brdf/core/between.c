@@ -6,7 +6,6 @@
 #include "brdf/core/spec.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { T, LOG, N_KEYS };
 

@@ -5,9 +5,7 @@
  */
 #include "brdf/brdf.h"
 
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info, nqm_brdf **brdf_ret,
                          nqm_error *err) {

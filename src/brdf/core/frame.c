@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF in another frame: turned about its normal (rotate), or with a normal that leans (tilt). A tilted BRDF is what
+ * A BRDF in another frame: turned about its normal (rotate), or with a tilted normal (tilt). A tilted BRDF is what
  * renderers make of a normal map: the surface still has the cosine of its own normal, so that light and viewer may not
  * be exchanged.
  */
 #include "brdf/core/spec.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { DEG, AZIMUTH, BLOCK = 128 };
 static const double DEGREE = NQM_PI / 180;

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Half vectors that are even in the logarithm
- * of the slope suit round lobes of any width; those of a lobe that is much longer than wide, or that does not surround
- * the normal, must be stretched and moved like it.
+ * of the slope suit round lobes only: those of a lobe that is long, or does not surround the normal, are stretched and moved like it.
  */
 #include "brdf/brdf.h"
-#include "math/math.h"
 
 #include <math.h>
 
@@ -21,7 +19,7 @@ static double value_at(const nqm_brdf *brdf, double x, double y) {
     return nqm_luminance(rgb) * h[2] * h[2] * h[2] * h[2];
 }
 
-/* The normal of its frame, if that leans: the lobe there may be narrower than any grid. Else climb to the peak from the
+/* The normal of its frame, if that is tilted: the lobe there may be narrower than any grid. Else climb to the peak from the
  * brightest of a grid of slopes; the normal, unless the peak is brighter. Returns the value. */
 static double find_peak(const nqm_brdf *brdf, double center[2]) {
     enum { GRID = 16 };

@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Distorted copies of any BRDF, with the faults that approximations have: a lobe that is too blunt or misplaced, a weak
- * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
- * defines each setting.
- *
- * All work is done in half-vector coordinates at the azimuth phi_h of the pair; the result is reciprocal if the base is,
- * except with `lopsided`. shift, gloss and smooth change the coordinates at which the base is evaluated; the other
- * settings then change the value, in the order of the keys below.
+ * Distorted copies of any BRDF; doc/brdf.md defines each setting. All work is done in half-vector coordinates at the azimuth phi_h of
+ * the pair. shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the value,
+ * in the order of the keys below.
  */
 #include "brdf/core/spec.h"
-#include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SHIFT, GLOSS, SMOOTH, FIRST_VALUE_KEY };
 enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, LOPSIDED, RIPPLE };

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF in the layout of the paper's authors: MAT v5 with random_locations (n, 3), which are theta_h, theta_d and phi_d in degrees,
- * and r, g, b (n): a list of directions (listed.h), as `nqm sample -o FILE.mat` writes it.
+ * A BRDF in the layout of the paper's authors (doc/files.md), as `nqm sample -o FILE.mat` writes it: a list of directions.
  */
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include <string.h>
 
 static bool probe(const nqm_map *map) {
     static const char start[] = "MATLAB 5.0 MAT-file";

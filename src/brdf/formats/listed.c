@@ -1,23 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some
- * theta_h, theta_d and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered
- * directions (scattered.c). phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth
- * of the light over a full turn. Rows may also give the polar angles and azimuths of light and viewer; light and viewer
- * are then never exchanged, and a grid is one of theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it:
- * rows of a theta of 0 may be given once for all phi, and up to a quarter of the other rows may be missing. If pairs
- * recur at other phi_i with other values the list is anisotropic, and no grid. Rows that give a direction again count by their
- * mean.
+ * Directions and values (doc/files.md): which rows are one direction, which are a grid, between whose nodes f_r is linear in the
+ * angles, and which are scattered (scattered.c). A grid has theta_h, theta_d and phi_d, or theta_i, theta_o and phi = phi_o - phi_i.
  */
 #include "brdf/formats/listed.h"
 
-#include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double degree = NQM_PI / 180, default_tolerance = 0.1;
 
@@ -398,7 +389,7 @@ size_t nqm_listed_most(size_t n_bytes) {
 
 nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret,
                              nqm_error *err) {
-    const char *tolerance_text = argument->member, *name = argument->name;
+    const char *tolerance_text = argument->member;
     double tolerance;
     size_t n_missing = 0;
     nqm_grid *grid = NULL;
@@ -426,9 +417,9 @@ nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argumen
             "%zu bytes",
             l->path, l->n, nqm_listed_most(n_bytes), n_bytes);
     if (!grid)
-        return nqm_scattered_create(l, tolerance, name, brdf_ret, err);
+        return nqm_scattered_create(l, tolerance, argument->name, brdf_ret, err);
     if (!tolerance_text)
-        return wrap_grid(l, grid, n_missing, name, brdf_ret, err);
+        return wrap_grid(l, grid, n_missing, argument->name, brdf_ret, err);
     nqm_free(grid);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
                     l->path, tolerance_text);

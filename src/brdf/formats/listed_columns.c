@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV files of directions and values: which columns have which angles, in which unit, and how RGB is made of the values. A name is
- * compared by its letters and digits; a unit may follow in brackets, or after the name of an angle. Values are RGB, XYZ (D65), a
- * spectrum, or a single column, which is grey. Files in the layout of ASTM E1392 are the same, in radians, after lines of text and
- * the word VARS.
+ * CSV files of directions and values, also in the layout of ASTM E1392 (doc/files.md): which columns have which angles, in which
+ * unit, and how RGB is made of the values.
  */
-#include "brdf/formats/format.h"
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */

@@ -1,22 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * MERL tables (Matusik et al. 2003, DOI 10.1145/882262.882343): a measured BRDF as 90 x 90 x 180 cells in half-vector
- * coordinates, read and written; also the same layout with 360 cells in phi_d, for BRDFs that are not reciprocal.
- * nqm_map_gather() reads the cells of about the first thousand pairs, because a page fault costs more than reading a
- * few bytes; later pairs are read from the mapping. The value of a pair is that of the cell that contains it, without
- * interpolation, as in the database's own reader. DTU tables (Nielsen et al. 2015, DOI
- * 10.1145/2816795.2818085) have the same layout.
- *
- * File, little-endian: int32 dimensions (90, 90, n), n = 180 or 360; double cells (3 channels, 90 theta_h, 90 theta_d,
- * n phi_d), one degree of phi_d each. theta_h is spaced by its square root, denser towards the highlight; negative cells
- * have no measurement.
+ * MERL tables (Matusik et al. 2003, DOI 10.1145/882262.882343), also with 360 cells in phi_d: read and written in the layout of
+ * doc/files.md. nqm_map_gather() reads the cells of about the first thousand pairs, because a page fault costs more than reading a
+ * few bytes; later pairs are read from the mapping.
  */
 #include "brdf/formats/format.h"
 
-#include "math/math.h"
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 /* A line: the cells of one theta_h and theta_d, over phi_d. */
 enum { N_THETA_H = 90, N_THETA_D = 90, N_LINES = N_THETA_H * N_THETA_D, N_PHI_HALF = 180, N_PHI_FULL = 360 };

@@ -1,25 +1,22 @@
 /* SPDX-License-Identifier: MIT
  *
- * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335): a BRDF as a network of 6-21-21-3 in a Keras .h5 file, plain or
- * inside a zip, or in six .npy files as the authors' programs write them. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
- * output f_r, RGB. phi_d is folded to [0, pi), where the networks were trained; that makes the BRDF reciprocal.
+ * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335; doc/files.md): a network of 6-21-21-3 in a Keras .h5 file, plain or inside a
+ * zip, or in six .npy files.
  */
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <stddef.h>
-#include <string.h>
 
 /* Rows are padded with zeros to a multiple of four, so that vectorised loops need no remainder. */
 enum { N_IN = 6, N_HIDDEN = 21, N_OUT = 3, HIDDEN_PADDED = 24, OUT_PADDED = 4 };
 enum { MAX_FILE_BYTES = 4 << 20 }; /* the published files have 18,736 */
 
+enum { N_LAYERS = 3 };
 typedef struct nbrdf {
-    double w1[N_IN * HIDDEN_PADDED], b1[HIDDEN_PADDED];
-    double w2[N_HIDDEN * HIDDEN_PADDED], b2[HIDDEN_PADDED];
-    double w3[N_HIDDEN * OUT_PADDED], b3[OUT_PADDED];
+    struct {
+        double w[N_HIDDEN * HIDDEN_PADDED], b[HIDDEN_PADDED]; /* (in, padded out), (padded out) */
+    } layer[N_LAYERS];
     float weights[NQM_NBRDF_WEIGHTS]; /* the same values in the order of files */
 } nbrdf;
 
@@ -42,11 +39,11 @@ static void nbrdf_eval_half_diff(const void *self, size_t n, const double *hd, d
         double x[N_IN] = {sin(hd[3 * i]), 0, cos(hd[3 * i])};
         double first[HIDDEN_PADDED], second[HIDDEN_PADDED], out[OUT_PADDED];
         nqm_spherical(hd[3 * i + 1], hd[3 * i + 2], x + 3);
-        dense(N_IN, HIDDEN_PADDED, x, net->w1, net->b1, first);
+        dense(N_IN, HIDDEN_PADDED, x, net->layer[0].w, net->layer[0].b, first);
         relu(first);
-        dense(N_HIDDEN, HIDDEN_PADDED, first, net->w2, net->b2, second);
+        dense(N_HIDDEN, HIDDEN_PADDED, first, net->layer[1].w, net->layer[1].b, second);
         relu(second);
-        dense(N_HIDDEN, OUT_PADDED, second, net->w3, net->b3, out);
+        dense(N_HIDDEN, OUT_PADDED, second, net->layer[2].w, net->layer[2].b, out);
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = expm1(out[c]);
     }
@@ -55,19 +52,15 @@ static void nbrdf_eval_half_diff(const void *self, size_t n, const double *hd, d
 static const nqm_brdf_class nbrdf_class = {
     .format = "nbrdf", .reciprocal = 1, .eval_half_diff = nbrdf_eval_half_diff, .free = nqm_free};
 
-/** Location of one layer's parameters in a Keras file and in nbrdf. */
+/** A layer, and its datasets in a Keras file. */
 typedef struct layer {
     const char *kernel, *bias;
     size_t n_in, n_out, n_padded;
-    size_t w, b; /* offsets in nbrdf, in doubles */
 } layer;
-
-enum { N_LAYERS = 3 };
-#define PLACE(member) (offsetof(nbrdf, member) / sizeof(double))
 static const layer layers[N_LAYERS] = {
-    {"dense_1/dense_1/kernel:0", "dense_1/dense_1/bias:0", N_IN, N_HIDDEN, HIDDEN_PADDED, PLACE(w1), PLACE(b1)},
-    {"dense_2/dense_2/kernel:0", "dense_2/dense_2/bias:0", N_HIDDEN, N_HIDDEN, HIDDEN_PADDED, PLACE(w2), PLACE(b2)},
-    {"dense_3/dense_3/kernel:0", "dense_3/dense_3/bias:0", N_HIDDEN, N_OUT, OUT_PADDED, PLACE(w3), PLACE(b3)}};
+    {"dense_1/dense_1/kernel:0", "dense_1/dense_1/bias:0", N_IN, N_HIDDEN, HIDDEN_PADDED},
+    {"dense_2/dense_2/kernel:0", "dense_2/dense_2/bias:0", N_HIDDEN, N_HIDDEN, HIDDEN_PADDED},
+    {"dense_3/dense_3/kernel:0", "dense_3/dense_3/bias:0", N_HIDDEN, N_OUT, OUT_PADDED}};
 
 nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
@@ -76,7 +69,7 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
         return nqm_fail_nomem(err, sizeof *net);
     memcpy(net->weights, weights, sizeof net->weights);
     for (const layer *l = layers; l < layers + N_LAYERS; ++l) {
-        double *w = (double *)net + l->w, *b = (double *)net + l->b;
+        double *w = net->layer[l - layers].w, *b = net->layer[l - layers].b;
         for (size_t k = 0; k < l->n_in; ++k)
             for (size_t j = 0; j < l->n_out; ++j)
                 w[k * l->n_padded + j] = (double)*weights++;

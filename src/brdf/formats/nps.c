@@ -6,15 +6,12 @@
  * sin)(2 phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is expm1(),
  * applied four times to 0.15 y.
  */
-#include "base/names.h"
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include "kernel/panel.h"
-#include "math/math.h"
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 enum { N_LATENTS = 7, N_IN = 4 + N_LATENTS, N_HIDDEN = 400, N_OUT = 3, N_LAYERS = 7 };
 enum { N_NUMBERS = (N_IN + 1) * N_HIDDEN + (N_LAYERS - 2) * (N_HIDDEN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_OUT };

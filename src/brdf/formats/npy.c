@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3)
- * or (n_theta_h, n_theta_d, n_phi_d, n_phi_h, 3), at the nodes of nqm_table_create(). Arrays of the weights of an NBRDF (nbrdf.c).
+ * Arrays of NumPy (doc/files.md): tables in half-vector coordinates, or the weights of an NBRDF (nbrdf.c).
  */
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include <string.h>
 
 static nqm_status check_shape(const nqm_map *map, const nqm_tensor *t, nqm_table_size *size, nqm_error *err) {
     char shape[160] = "";

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Polarimetric materials (Baek et al. 2020, DOI 10.1145/3386569.3392387) in the tensor container: 4 x 4 Mueller matrices over
- * phi_d, theta_d, theta_h and wavelength. Only element (0, 0) is read: f_r for unpolarised light, without the cosine. The file
- * is not reciprocal: phi_d is the azimuth of the light about the half vector. Values stay in the mapped file, which has about a
- * gigabyte.
+ * Polarimetric materials (Baek et al. 2020, DOI 10.1145/3386569.3392387; doc/files.md) in the tensor container: 4 x 4 Mueller matrices,
+ * of which element (0, 0) is read. Values stay in the mapped file, which has about a gigabyte.
  */
 #include "brdf/formats/format.h"
 
 #include "brdf/formats/grid.h"
 #include "io/io.h"
-#include "math/math.h"
 
 /* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {
@@ -23,8 +20,6 @@ static void pbsdf_free(void *self) {
 }
 
 static const nqm_brdf_class pbsdf_class = {.format = "pbsdf", .eval_half_diff = nqm_grid_eval, .free = pbsdf_free};
-
-/* ---- tensors ------------------------------------------------------------------------------------------------------ */
 
 nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
@@ -47,8 +42,6 @@ nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengt
     return visible ? NQM_OK
                    : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
 }
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 enum { N_AXES = 3, MATRIX = 16 }; /* axes of M: theta_h, theta_d, phi_d; elements of a matrix */
 
@@ -165,7 +158,6 @@ nqm_status nqm_pbsdf_open(nqm_map *map, const nqm_tensor_file *file, nqm_illumin
                                 .layout = layout,
                                 .n_values = nqm_tensor_count(c.m) / MATRIX};
     nqm_map_expect(map, false);
-    nqm_map_close_file(map);
     p->map = *map;
     *map = (nqm_map){0};
     return nqm_brdf_wrap(&pbsdf_class, p, &info, brdf_ret, err);

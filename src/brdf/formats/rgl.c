@@ -1,30 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGL measured materials, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
- * grid that is warped, per direction of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
- * the point that the warp maps to the half vector. Evaluation inverts the warp (section 4): the half vector's
- * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
- * up bilinearly.
+ * RGL measured materials, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059; doc/files.md): f_r cos(theta_o) D^-1
+ * 4 sigma on a grid that is warped, per direction of incidence, by the distribution of visible normals. Evaluation inverts the warp
+ * (section 4): the half vector's coordinates go through the marginal and conditional integrals of the visible-normal density, and
+ * the result is looked up bilinearly. Spectra become RGB when the file is opened: evaluation is linear in the stored values.
  *
- * Azimuths of half vectors count from omega_i in isotropic files, and from the tangent in those with more than two
- * phi_i, as in the authors' loader and Mitsuba 3. These phi_i cover a turn, half a turn (f_r does not change when the
- * sample is turned by 180 degrees) or a quarter (f_r is symmetric about both axes).
- *
- * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
- * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
- * divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for matte materials,
- * more for flakes and leaves. Values may be negative where a colour is outside the gamut.
- *
- * Spectra become RGB when the file is opened: evaluation is linear in the stored values, so that the result is the same as
- * converting each evaluated spectrum.
+ * The file's omega_i is the viewer and its omega_o the light, whose stored cosine is divided out.
  */
 #include "brdf/formats/format.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* Tolerance of the ranges of phi_i, radians. */
 #define PHI_SLACK 1e-3
@@ -43,7 +30,7 @@ typedef struct rgl {
     double *
         conditional; /* (phi.width, theta.width, vndf.height, vndf.width): integral of a row up to a column, in cells */
     double *marginal; /* (phi.width, theta.width, vndf.height): integral of the rows up to a row, in cells */
-    grid rgb;         /* (phi.width, theta.width, height, width, 3) */
+    grid rgb;         /* (phi.width, theta.width, 3, height, width) */
     bool jacobian;    /* values are divided by D / (4 sigma) */
     size_t n_images;  /* symmetric images of a pair of directions, one of which has its phi_i in the range of phi */
 } rgl;
@@ -73,10 +60,15 @@ static double mix(double a, double b, double t) {
     return (1 - t) * a + t * b;
 }
 
+/* The value in a slice of a grid. */
+static double look_up_at(const grid *g, const float *slice, const spot *s) {
+    const float *p = slice + s->corner, *q = p + g->width;
+    return mix(mix((double)p[0], (double)p[1], s->x), mix((double)q[0], (double)q[1], s->x), s->y);
+}
+
 static double look_up(const grid *g, double u, double v) {
-    spot s = locate(g, u, v);
-    const float *p = g->value + s.corner, *q = p + g->width;
-    return mix(mix((double)p[0], (double)p[1], s.x), mix((double)q[0], (double)q[1], s.x), s.y);
+    const spot s = locate(g, u, v);
+    return look_up_at(g, g->value, &s);
 }
 
 /** Terms of the inverse of the warp at a spot. All are linear in the density, so that interpolating them interpolates
@@ -137,13 +129,6 @@ static void invert_warp(const rgl *m, place *p) {
     if (row > 0) /* else no half vector of this row is visible: leave u */
         p->u = (a.before + s.x * (a.left + 0.5 * s.x * (a.right - a.left))) / row;
     p->v = a.below + s.y * (a.row0 + 0.5 * s.y * (a.row1 - a.row0));
-}
-
-static void mix_rgb(const float *p, size_t width, const spot *s, double weight, double *rgb) {
-    const float *q = p + 3 * width;
-    for (size_t c = 0; c < 3; ++c)
-        rgb[c] +=
-            weight * mix(mix((double)p[c], (double)p[3 + c], s->x), mix((double)q[c], (double)q[3 + c], s->x), s->y);
 }
 
 static double theta_to_unit(double theta) {
@@ -221,12 +206,14 @@ static void eval_pair(const rgl *m, const double *omega_i, const double *omega_o
     invert_warp(m, &p);
     const spot s = locate(&m->rgb, p.u, p.v);
     const size_t n_slice = m->rgb.width * m->rgb.height, n_phi = m->phi.width > 1 ? 2 : 1;
-    const float *lower = m->rgb.value + 3 * (p.slice * n_slice + s.corner);
+    const float *lower = m->rgb.value + 3 * p.slice * n_slice;
     rgb[0] = rgb[1] = rgb[2] = 0;
     for (size_t j = 0; j < n_phi; ++j, lower += 3 * m->theta.width * n_slice) {
         const double weight = scale * (j ? p.phi : 1 - p.phi);
-        mix_rgb(lower, m->rgb.width, &s, (1 - p.theta) * weight, rgb);
-        mix_rgb(lower + 3 * n_slice, m->rgb.width, &s, p.theta * weight, rgb);
+        for (size_t c = 0; c < 3; ++c) {
+            rgb[c] += (1 - p.theta) * weight * look_up_at(&m->rgb, lower + c * n_slice, &s);
+            rgb[c] += p.theta * weight * look_up_at(&m->rgb, lower + (3 + c) * n_slice, &s);
+        }
     }
 }
 
@@ -295,12 +282,9 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order; NULL: it takes longer. */
-static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
-                               nqm_error *err) {
+/* Refuse values that are below `least` or not finite. */
+static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, nqm_error *err) {
     const unsigned char *data = t->data, *end = data + t->n_bytes;
-    if (value && nqm_first_outside(nqm_tensor_count(t), value, least) == nqm_tensor_count(t))
-        return NQM_OK;
     while (data < end && nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
     if (data == end)
@@ -319,35 +303,21 @@ static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float leas
                               nqm_error *err) {
     nqm_copy_little_endian(nqm_tensor_count(t), sizeof *copy, t->data, copy);
     *g = grid_of(t, copy);
-    return check_values(c, t, least, g->value, err);
+    return check_values(c, t, least, err);
 }
 
-/* Interleave the channels of the tensor (n_phi, n_theta, 3, height, width) as (n_phi, n_theta, height, width, 3), so that the
- * four neighbours of a point are in two short runs of memory. */
-static void interleave(const nqm_tensor *t, float *rgb) {
-    const size_t n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k) {
-        const unsigned char *red = (const unsigned char *)t->data + 3 * k * n_plane, *green = red + n_plane;
-        for (size_t i = 0; i < n_plane; i += sizeof(float), rgb += 3) {
-            rgb[0] = nqm_load_f32(red + i);
-            rgb[1] = nqm_load_f32(green + i);
-            rgb[2] = nqm_load_f32(green + n_plane + i);
-        }
-    }
-}
-
-/* As interleave(), for spectra. weights: (n, 3), n = dims[2]. */
+/* RGB of spectra. weights: (n, 3), n = dims[2]; rgb: (n_phi, n_theta, 3, height, width). */
 static void convert_spectra(const nqm_tensor *t, const double *weights, float *rgb) {
     const size_t n = t->dims[2], n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k)
-        for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
+    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k, rgb += 3 * n_slice)
+        for (size_t i = 0; i < n_slice; ++i) {
             const unsigned char *value = (const unsigned char *)t->data + k * n * n_plane + i * sizeof(float);
             double sum[3] = {0};
             for (size_t w = 0; w < n; ++w, value += n_plane)
                 for (size_t c = 0; c < 3; ++c)
                     sum[c] += weights[3 * w + c] * (double)nqm_load_f32(value);
             for (size_t c = 0; c < 3; ++c)
-                rgb[c] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
+                rgb[c * n_slice + i] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
         }
 }
 
@@ -357,19 +327,11 @@ static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     nqm_status status = weights ? nqm_brdf_tensor_weights(c->path, c->wavelengths, c->illuminant, weights, err)
                                 : nqm_fail_nomem(err, 3 * n * sizeof *weights);
     if (status == NQM_OK)
-        status = check_values(c, c->values, -FLT_MAX, NULL, err);
+        status = check_values(c, c->values, -FLT_MAX, err);
     if (status == NQM_OK)
         convert_spectra(c->values, weights, rgb);
     nqm_free(weights);
     return status;
-}
-
-/* rgb: (n_phi, n_theta, height, width, 3). */
-static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
-    if (c->wavelengths)
-        return read_spectra(c, rgb, err);
-    interleave(c->values, rgb);
-    return check_values(c, c->values, -FLT_MAX, rgb, err);
 }
 
 /* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the
@@ -438,8 +400,8 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     if (status == NQM_OK)
         status = copy_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
     if (status == NQM_OK) {
+        status = c.wavelengths ? read_spectra(&c, rgb, err) : copy_floats(&c, c.values, -FLT_MAX, rgb, &m->rgb, err);
         m->rgb = grid_of(c.values, rgb);
-        status = read_values(&c, rgb, err);
     }
     if (status == NQM_OK)
         status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);

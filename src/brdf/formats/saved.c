@@ -7,7 +7,6 @@
 
 #include "io/io.h"
 #include <math.h>
-#include <string.h>
 
 #define NETWORK_FORMAT "nqm-nbrdf"
 #define TABLE_FORMAT   "nqm-table"
@@ -24,8 +23,6 @@ enum { N_NETWORK = sizeof network / sizeof *network };
 static nqm_tensor network_tensor(size_t i, const float *weights) {
     return nqm_tensor_of(network[i].name, NQM_F32, network[i].rows, network[i].cols, weights);
 }
-
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void list_network(const nqm_brdf *brdf, nqm_tensor tensors[N_NETWORK]) {
     const float *next = nqm_nbrdf_weights(brdf);
@@ -68,8 +65,6 @@ nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err)
                         info.format);
     return nqm_safetensors_write(path, is_network ? N_NETWORK : 1, tensors, 2, meta, NULL, err);
 }
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status refuse(const char *name, const nqm_tensor *tensor, size_t at, const char *what, nqm_error *err) {
     long long byte = tensor->byte_offset + (long long)at;

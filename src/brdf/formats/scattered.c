@@ -6,11 +6,8 @@
  */
 #include "brdf/formats/listed.h"
 
-#include "math/math.h"
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A measured pair. */
 typedef struct sample {

@@ -1,17 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Anisotropic measurements of UTIA (Filip and Vavra 2014, DOI 10.1111/cgf.12477): f_r at 6 x 48 directions of light
- * times as many of the viewer, linear in the four angles between them. Beyond 75 degrees the line through the last two
- * thetas continues, as in the authors' reader, which returns the stored values as f_r, without a cosine or a transfer
- * function.
- *
- * File, without a header: little-endian float64 (3 channels, 6 theta_i, 48 phi_i, 6 theta_v, 48 phi_v), in steps of 15
- * and 7.5 degrees.
+ * Anisotropic measurements of UTIA (Filip and Vavra 2014, DOI 10.1111/cgf.12477; doc/files.md). Beyond 75 degrees the line through the
+ * last two thetas continues, as in the authors' reader.
  */
 #include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 
-#include "math/math.h"
 #include <float.h>
 #include <math.h>
 

@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tabular BSDF files of Zemax ("BSDF Data Interchange File Format Specification", Radiant Imaging 2008): text with angles of incidence,
- * and for each a table over two angles about the specular direction: the radial angle from it, and the azimuth, which is 0 towards
- * the normal. With several angles of incidence f_r is linear in the three angles; one angle, or several rotations of the sample, make
- * a list of directions. X, Y and Z are taken relative to the white of D65.
+ * Tabular BSDF files of Zemax ("BSDF Data Interchange File Format Specification", Radiant Imaging 2008; doc/files.md): a grid about
+ * the specular direction, or a list of directions.
  */
-#include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 #include "brdf/formats/listed.h"
 
 #include "io/io.h"
-#include "math/math.h"
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 static const double degree = NQM_PI / 180;

@@ -1,21 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
- * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the lobe of Ward (1992, DOI
- * 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
- * 10.2312/EGWR/EGSR05/117-126): Ward in the normalisation of Duer, Blinn-Phong, one lobe of Lafortune, and
- * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
- * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI
- * 10.1145/2077341.2077350). doc/brdf.md has the formulas.
+ * Analytic BRDFs over a Lambertian base kd / pi; doc/brdf.md has the formulas and their sources.
  *
  * Values and derivatives come from the same functions: a lobe receives NULL instead of an array for its derivatives when
  * only the value is needed.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
-#include "math/math.h"
-
-#include <math.h>
 
 /* d (kd / pi) / d kd */
 static const double PER_KD = 1 / NQM_PI;
@@ -32,22 +23,18 @@ static void lambert_prepare(const nqm_values *values, void *state) {
         self->f[c] = values->v[0][c] / NQM_PI;
 }
 
-static void lambert_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    const lambert *self = state;
-    (void)wi;
-    (void)wo;
-    for (size_t i = 0; i < n; ++i)
-        for (int c = 0; c < 3; ++c)
-            rgb[3 * i + (size_t)c] = self->f[c];
+/* jacobian: NULL, or receives the derivatives. */
+INLINED void lambert_values(const lambert *self, size_t n, const double *wi, const double *wo, double *rgb,
+                            double *jacobian) {
+    (void)wi, (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i) {
+        rgb[i] = self->f[i % 3];
+        if (jacobian)
+            jacobian[3 * i + i % 3] = PER_KD;
+    }
 }
 
-static void lambert_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
-                             double *jacobian) {
-    lambert_eval(state, n, wi, wo, rgb);
-    for (size_t i = 0; i < n; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            jacobian[(3 * i + c) * 3 + c] = PER_KD;
-}
+NQM_EVAL_AND_JACOBIAN(lambert, lambert_values, state)
 
 const nqm_analytic_model nqm_lambert_model = {
     .schema = &nqm_lambert_schema,
@@ -404,6 +391,7 @@ LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune,
 typedef struct reflectance {
     double value, slope;
 } reflectance;
+typedef reflectance (*fresnel_fn)(double parameter, double cosine);
 
 /* schlick_factor() is linear in f0. */
 INLINED reflectance schlick(double f0, double cosine) {
@@ -429,10 +417,11 @@ INLINED double grooves(half_angles h, const double *wi, const double *wo) {
 /* ---- Cook-Torrance ----------------------------------------------------------------------------------------------- */
 
 /* Beckmann's distribution without its constant 1 / (pi alpha^2), multiplied by grooves() and f. */
-INLINED double beckmann_lobe(half_angles h, double inverse_alpha2, reflectance f, const double *wi, const double *wo,
-                             double *d) {
+INLINED double beckmann_lobe(const double *shape, fresnel_fn fresnel, const double *wi, const double *wo, double *d) {
+    half_angles h = half_angles_of(wi, wo);
+    reflectance f = fresnel(shape[1], h.cos_d);
     double sec2_h = 1 + h.tan2_h;
-    double value = exp(-h.tan2_h * inverse_alpha2) * sec2_h * sec2_h * grooves(h, wi, wo);
+    double value = exp(-h.tan2_h * shape[0]) * sec2_h * sec2_h * grooves(h, wi, wo);
     if (d) {
         d[0] = -h.tan2_h * value * f.value;
         d[1] = value * f.slope;
@@ -446,8 +435,7 @@ static lobe make_cook_torrance(const nqm_values *values, double factor) {
 }
 
 INLINED double cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
-    half_angles h = half_angles_of(wi, wo);
-    return beckmann_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
+    return beckmann_lobe(shape, schlick, wi, wo, d);
 }
 
 LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance,
@@ -456,8 +444,7 @@ LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", co
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
 INLINED double low_cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
-    half_angles h = half_angles_of(wi, wo);
-    return beckmann_lobe(h, shape[0], dielectric(shape[1], h.cos_d), wi, wo, d);
+    return beckmann_lobe(shape, dielectric, wi, wo, d);
 }
 
 /* The distribution is that of Cook and Torrance 1982 itself, which lacks 1 / pi. */
@@ -468,8 +455,9 @@ LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357
 
 /* ---- Ashikhmin-Shirley ------------------------------------------------------------------------------------------- */
 
-INLINED double ashikhmin_lobe(half_angles h, const double *shape, reflectance f, const double *wi, const double *wo,
-                              double *d) {
+INLINED double ashikhmin_lobe(const double *shape, fresnel_fn fresnel, const double *wi, const double *wo, double *d) {
+    half_angles h = half_angles_of(wi, wo);
+    reflectance f = fresnel(shape[2], h.cos_d);
     double log_sec2_h = log1p(h.tan2_h);
     double value = exp(shape_along(shape, wi, wo) * log_sec2_h) / (h.cos_d * fmax(wi[2], wo[2]));
     if (d) {
@@ -480,8 +468,7 @@ INLINED double ashikhmin_lobe(half_angles h, const double *shape, reflectance f,
 }
 
 INLINED double ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
-    half_angles h = half_angles_of(wi, wo);
-    return ashikhmin_lobe(h, shape, schlick(shape[2], h.cos_d), wi, wo, d);
+    return ashikhmin_lobe(shape, schlick, wi, wo, d);
 }
 
 LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2000.10487522", ashikhmin_shirley,
@@ -490,8 +477,7 @@ LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
 INLINED double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
-    half_angles h = half_angles_of(wi, wo);
-    return ashikhmin_lobe(h, shape, dielectric(shape[2], h.cos_d), wi, wo, d);
+    return ashikhmin_lobe(shape, dielectric, wi, wo, d);
 }
 
 LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10867651.2000.10487522",

@@ -53,7 +53,6 @@ INLINED closure closure_layer(closure top, closure base) {
 }
 
 /** The same of the specular part over the diffuse one, and of the clear coat over both. */
-#ifdef NQM_WITH_MISTAKES
 INLINED closure specular_layer(closure top, closure base) {
     if (MISTAKEN(DIFFUSE_NOT_REDUCED))
         memcpy(top.pass, WHITE, sizeof top.pass);
@@ -65,10 +64,6 @@ INLINED closure coat_layer(closure top, closure base) {
         memcpy(top.pass, WHITE, sizeof top.pass);
     return closure_layer(top, base);
 }
-#else
-#define specular_layer closure_layer
-#define coat_layer     closure_layer
-#endif
 
 /** `a` with weight w, `b` with 1 - w. */
 INLINED closure closure_mix(closure a, closure b, double w) {
@@ -105,11 +100,6 @@ INLINED lobe_shape round_lobe(double roughness) {
 INLINED lobe_shape roughness_anisotropy(double roughness, double anisotropy, double turn_rad) {
     const double alpha = fmin(fmax(roughness * roughness, MIN_ALPHA), 1), aspect = sqrt(1 - fmin(anisotropy, 0.98));
     return lobe_of(alpha / aspect, alpha * aspect, turn_rad);
-}
-
-INLINED double f0_of_ior(double ior) {
-    double r = (ior - 1) / (ior + 1);
-    return r * r;
 }
 
 /** The common factors of the microfacet nodes. */
@@ -157,7 +147,7 @@ INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, 
                       fresnel);
     for (size_t c = 0; c < 3; ++c) {
         const double compensation = 1 + fresnel[c] * m.scatter;
-        const double albedo = (m.albedo[0] * f0_of_ior(ior) + m.albedo[1]) * compensation;
+        const double albedo = (m.albedo[0] * f0_between(ior, 1) + m.albedo[1]) * compensation;
         result.f[c] = weight * m.f * fresnel[c] * compensation * tint[c];
         result.pass[c] = 1 - weight * albedo;
     }

@@ -20,6 +20,21 @@ static inline double mix(double a, double b, double t) {
     return a + (b - a) * t;
 }
 
+/** The lower of the two nodes around x, 0 to 1, of n even ones; *t: the weight of the upper one. */
+static inline size_t node_below(size_t n, double x, double *t) {
+    const double at = fmin(x, 1) * (double)(n - 1);
+    const size_t i = at < (double)(n - 2) ? (size_t)at : n - 2;
+    *t = at - (double)i;
+    return i;
+}
+
+/** The value of a table (n) there. */
+static inline double look_up(const double *table, size_t n, double x) {
+    double t;
+    const size_t i = node_below(n, x, &t);
+    return mix(table[i], table[i + 1], t);
+}
+
 /* ---- half vector ------------------------------------------------------------------------------------------------- */
 
 /* Angles of the half vector, computed without normalising it: |wi + wo| = 2 cos theta_d. There is no cancellation near
@@ -267,6 +282,12 @@ static inline double power5(double x) {
     double x2 = x * x;
     IF_MISTAKEN(if (MISTAKEN(SCHLICK_EXPONENT)) return pow(x, nqm_mistakes_made.amount);)
     return x2 * x2 * x;
+}
+
+/** Reflectance at normal incidence, of the indices of both sides. */
+static inline double f0_between(double inside, double outside) {
+    const double r = (inside - outside) / (inside + outside);
+    return r * r;
 }
 
 /** Of every Fresnel factor. */

@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shifted gamma distribution BRDF of Bagher, Soler and Holzschuch (2012, DOI 10.1111/j.1467-8659.2012.03147.x):
- *
- *     f = kd / pi + ks / pi  D(theta_h) F(theta_d) G(theta_i) G(theta_o) / (cos theta_i cos theta_o)
- *     D = K exp(-t) / (pi t^p cos^4 theta_h),  t = alpha + tan^2 theta_h / alpha
- *     F = f0 - f1 cos theta_d + (1 - f0) (1 - cos theta_d)^5
- *     G = 1 + lambda (1 - exp(c (theta - theta0)^k)) above theta0, kept within [0, 1]; 1 below
- *
- * Every parameter has one value per channel. F may be negative where the authors' fit is.
+ * The shifted gamma distribution BRDF of Bagher, Soler and Holzschuch (2012, DOI 10.1111/j.1467-8659.2012.03147.x); doc/brdf.md has
+ * the formulas. Every parameter has one value per channel. F may be negative where the authors' fit is.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
-
-#include <math.h>
 
 enum { KD, KS, ALPHA, P, F0, F1, K_NORM, LAMBDA, C, K_POWER, THETA0, N_KEYS };
 

@@ -32,33 +32,19 @@ typedef struct blender {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------- */
 
-/* The place of x, 0 to 1, between n nodes: *t beyond node i. */
-static size_t place(size_t n, double x, double *t) {
-    const double at = clamp01(x) * (double)(n - 1);
-    const size_t i = (size_t)fmin(at, (double)(n - 2));
-    *t = at - (double)i;
-    return i;
-}
-
-static double look_up(const double *table, size_t n, double x) {
-    double t;
-    const size_t i = place(n, x, &t);
-    return mix(table[i], table[i + 1], t);
-}
-
 static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, double eta) {
     const double ax = fmin(fmax(x, MIN_ALPHA), 1), ay = fmin(fmax(y, MIN_ALPHA), 1);
     const double roughness = sqrt(sqrt(ax * ay));
     double t, u;
-    size_t i = place(N_E, roughness, &t);
+    size_t i = node_below(N_E, roughness, &t);
     const uint16_t *e = principled_energy + i * N_E, *mean = principled_energy + N_E * N_E + i,
                    *s = principled_energy + (N_E + 1) * N_E;
     *lobe = (ggx_lobe){.widths = turned_widths_of(ax * ax, ay * ay, turn_rad), .eta = eta};
     lobe->e_mean = 1e-4 * mix(mean[0], mean[1], t);
     for (size_t j = 0; j < N_E; ++j)
         lobe->e[j] = 1e-4 * mix(e[j], e[N_E + j], t);
-    i = place(N_S, roughness, &t);
-    const size_t z = place(N_S, sqrt(fabs((eta - 1) / (eta + 1))), &u);
+    i = node_below(N_S, roughness, &t);
+    const size_t z = node_below(N_S, sqrt(fabs((eta - 1) / (eta + 1))), &u);
     for (size_t j = 0; j < N_S; ++j) {
         const uint16_t *a = s + (z * N_S + i) * N_S + j, *b = a + N_S * N_S;
         lobe->s[j] = 1e-4 * mix(mix(a[0], a[N_S], t), mix(b[0], b[N_S], t), u);
@@ -67,7 +53,7 @@ static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, do
 
 static void prepare_sheen(blender *self, double roughness) {
     double t;
-    const size_t i = place(N_E, fmax(roughness, 1e-3), &t);
+    const size_t i = node_below(N_E, fmax(roughness, 1e-3), &t);
     for (size_t k = 0; k < 3; ++k)
         for (size_t j = 0; j < N_E; ++j) {
             const uint16_t *at = sheen_ltc + (k * N_E + i) * N_E + j;
@@ -85,7 +71,7 @@ static double mean_fresnel(double eta) {
 
 /* How far a reflectance is from that at normal incidence to 1. */
 static double between(double eta, double reflectance) {
-    const double f0 = f0_of_ior(eta);
+    const double f0 = f0_between(eta, 1);
     return f0 < 1 ? clamp01((reflectance - f0) / (1 - f0)) : 0;
 }
 
@@ -98,7 +84,7 @@ static void dielectric_factor(const blender *self, double cosine, double *f) {
                                      {{3.2404542 * 0.95047, -1.5371385, -0.4985314 * 1.08883},
                                       {-0.9692660 * 0.95047, 1.8760108, 0.0415560 * 1.08883},
                                       {0.0556434 * 0.95047, -0.2040259, 1.0572252 * 1.08883}}};
-    const double(*v)[3] = self->spec.values.v, eta = self->base.eta, f0 = f0_of_ior(eta);
+    const double(*v)[3] = self->spec.values.v, eta = self->base.eta, f0 = f0_between(eta, 1);
     const double thickness = v[THIN_FILM_THICKNESS][0], thin = clamp01(thickness / 30);
     const thin_film film = {thickness, mix(1, v[THIN_FILM_IOR][0], thin * thin * (3 - 2 * thin))};
     if (thickness > 0.1)
@@ -211,7 +197,7 @@ static void prepare(const nqm_values *values, void *state) {
     const double aspect = sqrt(1 - 0.9 * v[ANISOTROPIC][0]), level = v[SPECULAR_IOR_LEVEL][0];
     const double coat2 = fmin(fmax(v[COAT_ROUGHNESS][0] * v[COAT_ROUGHNESS][0], MIN_ALPHA), 1);
     double eta = ior;
-    self->f0 = f0_of_ior(ior);
+    self->f0 = f0_between(ior, 1);
     if (level != 0.5) {
         self->f0 *= 2 * level;
         const double root = sqrt(fmin(self->f0, 0.99)), above = (1 + root) / (1 - root);

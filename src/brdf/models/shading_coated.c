@@ -7,10 +7,7 @@
  *   f = F D G / (4 cos cos) + d / (pi eta^2) T(cos_o) X(cos_i) (1 + d r + (d r)^2 + ...),   one term for two of `maxdepth`,
  *
  * with the transmittance T of interface and gap, and the fraction r of diffuse light that returns to the base. X is T
- * with the weights of the two strategies by which pbrt finds the light (LayeredBxDF::f): they are made of densities on
- * different sides of the interface, and do not sum to one, so that pbrt's value is up to a third larger than T T, and
- * not reciprocal. Opening integrates T and X, for tables, and r over the visible normals. Without a medium that
- * scatters, and isotropic.
+ * with the weights of the two strategies by which pbrt finds the light (LayeredBxDF::f), which do not sum to one (doc/materials.md).
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
@@ -80,12 +77,6 @@ static void coated_prepare(const nqm_values *values, void *state) {
     }
 }
 
-static double look_up(const double *table, double cosine) {
-    const double x = sqrt(fmin(cosine, 1)) * (N_COSINES - 1);
-    const size_t i = x < N_COSINES - 2 ? (size_t)x : N_COSINES - 2;
-    return mix(table[i], table[i + 1], x - (double)i);
-}
-
 static void coated_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const coated *self = state;
     const double(*v)[3] = self->spec.values.v;
@@ -94,7 +85,8 @@ static void coated_eval(const void *state, size_t n, const double *wi, const dou
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
         const double top = correlated_ggx(h.tan2_h, cos_i, cos_o, equal_widths(v[ROUGHNESS][0])) *
                            fresnel_dielectric(v[ETA][0], h.cos_d);
-        const double inside = look_up(self->enter, cos_o) * look_up(self->leave, cos_i);
+        const double inside =
+            look_up(self->enter, N_COSINES, sqrt(cos_o)) * look_up(self->leave, N_COSINES, sqrt(cos_i));
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = top + self->diffuse[c] * inside;
     }

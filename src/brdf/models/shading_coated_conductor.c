@@ -3,20 +3,13 @@
  * `pbrt-coated-conductor` is pbrt-v4's `coatedconductor` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th
  * edition, 14.3): a conductor under a dielectric interface with an absorbing gap; either can be smooth. The value is
  * the mean of pbrt's random walks (LayeredBxDF::f), estimated from N_WALKS pairs of walks, one from the viewer and one
- * from the light, on the points of a lattice. The points are the same for all directions. All vertices of a pair are
+ * from the light, on the points of a lattice, which are the same for all directions. All vertices of a pair are
  * connected, and equally long paths are weighted by the balance heuristic (Veach 1997, chapter 10). Paths with up to
- * N_ORDERS reflections by the conductor are summed, longer ones extrapolated. Error: the value differs by 0.3 to 2.8 %
- * (rms over the directions of scores, for 12 materials; 10 % at 1 in 100) from that of 2,039 walks; the JOD between
- * both is 9.95 or better.
- *
- * pbrt's two strategies for the last reflection have weights that do not sum to one (shading_coated.c). Their sum is a
- * factor of each path here; it makes the model not reciprocal. Mirrors are lobes of the smallest roughness, 1e-6.
- * Without a medium that scatters, isotropic.
+ * N_ORDERS reflections by the conductor are summed, longer ones extrapolated. doc/materials.md has the errors. Mirrors are lobes of
+ * the smallest roughness, 1e-6.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
-
-#include <string.h>
 
 enum { NQM_COATED_CONDUCTOR_KEYS(NQM_KEY_INDEX) };
 

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rough conductors of two renderers: D G F / (4 cos cos) with the exact Fresnel factor of eta + i k per channel.
- *
- * `rough-conductor` is Mitsuba 3's `roughconductor` plugin: Beckmann or GGX distribution and Smith's separable shadowing
- * (Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206). Beckmann's G1 is the paper's rational approximation.
- * `pbrt-conductor` is pbrt-v4's `conductor` material (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 9.6):
- * GGX with height-correlated shadowing, and alpha = sqrt(roughness).
+ * Rough conductors of two renderers, D G F / (4 cos cos) with the exact Fresnel factor of eta + i k per channel: `rough-conductor` is
+ * Mitsuba 3's `roughconductor`, `pbrt-conductor` is pbrt-v4's `conductor` (doc/materials.md).
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The Disney Principled surface as MaterialX 1.39 defines it (disney_principled.mtlx, the node graph), opaque
- * reflection only: clear coat over a mixture of metal and of a dielectric over sheen over Burley's diffuse. The keys
- * are the inputs of the node.
+ * The Disney Principled surface as MaterialX 1.39 defines it (disney_principled.mtlx, the node graph), opaque reflection only:
+ * clear coat over a mixture of metal and of a dielectric over sheen over Burley's diffuse.
  *
  * The graph gives the dielectric and the clear coat the constant reflectance 0.08 specular and 0.04 clearcoat (a Schlick factor
  * whose ends are both white), and weights the diffuse twice by 1 - metallic; so does this file.

@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `gltf`, the material of glTF 2.0: metallic-roughness as in Appendix B of the specification (with the
- * height-correlated shadowing that it has since December 2025), and its extensions KHR_materials_specular,
- * KHR_materials_ior, KHR_materials_anisotropy, KHR_materials_iridescence, KHR_materials_sheen and
- * KHR_materials_clearcoat, layered in this order.
- *
- * Not reciprocal: the Fresnel factor of the clear coat depends on the viewer only. Specular and diffuse reflection
- * share the light by the Fresnel factor of the half vector, which can reflect more light than arrives at grazing
- * angles. The specification says so, and has no compensation for multiple scattering.
+ * `gltf`, the material of glTF 2.0: Appendix B of the specification and its extensions; doc/materials.md has the formulas.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/thin_film.h"
@@ -154,7 +147,7 @@ static void base_material(const gltf *self, const half_angles *h, const double *
 
 static double coat_f0(const gltf *self, size_t c) {
     return MISTAKEN(COAT_F0_OF_BASE)    ? self->f0[c]
-           : MISTAKEN(COAT_F0_OF_INDEX) ? film_f0(self->spec.values.v[IOR][0], 1)
+           : MISTAKEN(COAT_F0_OF_INDEX) ? f0_between(self->spec.values.v[IOR][0], 1)
                                         : COAT_F0;
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * OpenPBR Surface 1.1.1 as MaterialX 1.39 defines it (open_pbr_surface.mtlx, the node graph), opaque reflection only:
- * fuzz over coat over a mixture of metal and of a dielectric with a diffuse base. The keys are the inputs of the node.
- * Colours above 1 are those that a conversion to BT.709 can give.
+ * fuzz over coat over a mixture of metal and of a dielectric with a diffuse base.
  */
 #include "brdf/models/closures.h"
 
@@ -26,7 +25,7 @@ static double modulated_ior(double weight, double ior, double coat_weight, doubl
     const double ratio = ior / coat_ior;
     const double covered = ratio > 1 ? ratio : fmin(coat_ior / ior, 1e6);
     const double eta = coat_weight > 0 ? coat_weight * covered + (1 - coat_weight) * ior : ior;
-    const double root = sqrt(fmin(weight * f0_of_ior(eta), 0.99999)), e = eta > 1 ? root : eta < 1 ? -root : 0;
+    const double root = sqrt(fmin(weight * f0_between(eta, 1), 0.99999)), e = eta > 1 ? root : eta < 1 ? -root : 0;
     return (1 + e) / (1 - e);
 }
 
@@ -34,7 +33,7 @@ static double modulated_ior(double weight, double ior, double coat_weight, doubl
  * that are single numbers. */
 static double under_coat(const double *v, double base, double coat_color) {
     const double coat = v[COAT_WEIGHT], ior = v[COAT_IOR];
-    const double k = 1 - (1 - f0_of_ior(ior)) / (ior * ior);
+    const double k = 1 - (1 - f0_between(ior, 1)) / (ior * ior);
     const double albedo = base * (1 + v[BASE_METALNESS] * (v[SPECULAR_WEIGHT] - 1));
     const double darkening = 1 + coat * v[COAT_DARKENING] * ((1 - k) / (1 - albedo * k) - 1);
     return clamp01(darkening) * clamp01(1 + coat * (coat_color - 1));

@@ -4,10 +4,9 @@
  *
  *   f = specular F D G / (4 cos cos) + d / (pi eta^2) T(cos_i) T(cos_o),   d = diffuse / (1 - R), or diffuse / (1 - R diffuse)
  *
- * with Beckmann or GGX and separable shadowing (Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206); the second form
- * of d, `nonlinear`, has the colour shift of light that is reflected inside several times. T and R come from a table of
- * Mitsuba's integrals (presets/rough_plastic.txt). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own
- * quadrature is coarser: with GGX and eta = 1.5 its T differs from the table by up to 0.0005 and its R by 0.0001.
+ * with Beckmann or GGX and separable shadowing; the second form of d, `nonlinear`, has the colour shift of light that is reflected
+ * inside several times. T and R come from a table of Mitsuba's integrals (presets/rough_plastic.txt). As in Mitsuba, T is linear
+ * between 64 cosines.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
@@ -46,7 +45,7 @@ static void interpolation_weights(size_t n, const double range[2], double x, dou
 }
 
 /* The transmittances, and the internal reflectance behind them: out (TABLE_MU + 1). */
-static void look_up(bool is_ggx, double alpha, double eta, double *out) {
+static void find_transmittances(bool is_ggx, double alpha, double eta, double *out) {
     double by_alpha[TABLE_ALPHA], by_eta[TABLE_ETA], core[TABLE_RANK] = {0};
     interpolation_weights(TABLE_ALPHA, table_scale, log1p(100 * alpha), by_alpha);
     interpolation_weights(TABLE_ETA, table_log_eta, log(eta - 1), by_eta);
@@ -69,7 +68,7 @@ static void plastic_prepare(const nqm_values *values, void *state) {
     self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
     self->alpha2 = alpha * alpha;
     self->eta = values->v[ETA][0];
-    look_up(self->is_ggx, alpha, self->eta, table);
+    find_transmittances(self->is_ggx, alpha, self->eta, table);
     memcpy(self->transmittance, table, sizeof self->transmittance);
     for (size_t c = 0; c < 3; ++c) {
         const double d = values->v[DIFFUSE_REFLECTANCE][c], r = MISTAKEN(INTERNAL_REFLECTION) ? 0 : table[TABLE_MU];
@@ -77,13 +76,6 @@ static void plastic_prepare(const nqm_values *values, void *state) {
         self->diffuse[c] = d / (1 - (values->v[NONLINEAR][0] > 0.5 ? d * r : r)) / (DIFFUSE_PI * eta * eta);
         self->specular[c] = values->v[SPECULAR_REFLECTANCE][c];
     }
-}
-
-static double transmittance(const plastic *self, double cosine) {
-    const double x = fmin(cosine, 1) * (TABLE_MU - 1);
-    const size_t i = x < TABLE_MU - 2 ? (size_t)x : TABLE_MU - 2;
-    const double *t = self->transmittance + i;
-    return t[0] + (t[1] - t[0]) * (x - (double)i);
 }
 
 static void plastic_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
@@ -95,8 +87,9 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
         const double lobe =
             self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, a) : separable_beckmann(h.tan2_h, cos_i, cos_o, a);
         const double f = lobe * fresnel_dielectric(self->eta, h.cos_d);
-        const double inside =
-            MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1 : transmittance(self, cos_i) * transmittance(self, cos_o);
+        const double inside = MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1
+                                                            : look_up(self->transmittance, TABLE_MU, cos_i) *
+                                                                  look_up(self->transmittance, TABLE_MU, cos_o);
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = f * self->specular[c] + self->diffuse[c] * inside;
     }

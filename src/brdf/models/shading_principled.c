@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `principled` is Mitsuba 3's plugin of this name without transmission, after Burley, "Physically Based Shading at
- * Disney" (2012) and "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering" (2015). Mitsuba's
- * formulas differ from Disney's: the main lobe blends the exact Fresnel factor of eta, a tinted Schlick factor and the
- * metal's Schlick factor; and the clearcoat's shadowing is not divided by 4 cos cos. At eta = 1 Mitsuba omits the main
- * lobe, also that of a metal.
+ * `principled` is Mitsuba 3's plugin of this name without transmission, after Burley, "Physically Based Shading at Disney" (2012)
+ * and "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering" (2015). doc/materials.md has where it differs.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Autodesk Standard Surface 1.0.1 as MaterialX 1.39 defines it (standard_surface.mtlx, the node graph), opaque
- * reflection only: coat over a mixture of metal and of a dielectric over sheen over a diffuse base. The keys are the
- * inputs of the node.
+ * reflection only: coat over a mixture of metal and of a dielectric over sheen over a diffuse base.
  */
 #include "brdf/models/closures.h"
 

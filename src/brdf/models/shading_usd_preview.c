@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * UsdPreviewSurface 2.6 of OpenUSD as MaterialX 1.39 defines it (usd_preview_surface.mtlx, the node graph), opaque
- * reflection only: clear coat over a mixture of metal and of a dielectric with a diffuse base, or over a specular
- * colour with a diffuse base. The keys are the inputs of the node.
- *
- * OpenUSD's specification gives the colours of the Fresnel factor and leaves the layers to renderers: its own Storm
- * multiplies the diffuse colour by 1 - F, adds the coat, and has no compensation for multiple scattering.
+ * UsdPreviewSurface 2.6 of OpenUSD as MaterialX 1.39 defines it (usd_preview_surface.mtlx, the node graph), opaque reflection only:
+ * clear coat over a mixture of metal and of a dielectric with a diffuse base, or over a specular colour with a diffuse base.
  */
 #include "brdf/models/closures.h"
 
@@ -21,7 +17,7 @@ typedef struct usd_preview {
 static void prepare(const nqm_values *values, void *state) {
     usd_preview *self = state;
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
-    const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_of_ior(values->v[IOR][0]);
+    const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_between(values->v[IOR][0], 1);
     self->metallic = metallic;
     self->base = round_lobe(values->v[ROUGHNESS][0]);
     self->coat = round_lobe(values->v[CLEARCOAT_ROUGHNESS][0]);

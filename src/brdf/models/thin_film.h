@@ -35,10 +35,6 @@ INLINED film_light film_enter(const thin_film *film, double cosine) {
     return (film_light){inside, 2e-9 * film->ior * film->thickness * inside};
 }
 
-INLINED double film_row(const double *row, const double *v) {
-    return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-}
-
 /** XYZ of cos(path, phase) over a constant spectrum; phase, xyz: (3). */
 static inline void film_xyz(double path, const double *phase, double *xyz) {
     static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14};
@@ -72,7 +68,7 @@ static inline void film_add(const film_rules *rules, bool is_rgb, double path, d
         film_xyz(order * path, shift, xyz);
         for (size_t c = 0; c < 3; ++c) {
             amplitude[c] *= ratio[c];
-            sum[c] += 2 * amplitude[c] * (is_rgb ? film_row(rules->to_rgb[c], xyz) : xyz[c]);
+            sum[c] += 2 * amplitude[c] * (is_rgb ? nqm_dot3(rules->to_rgb[c], xyz) : xyz[c]);
         }
     }
 }
@@ -98,7 +94,7 @@ static inline void film_polarised(const film_rules *rules, const thin_film *film
         film_add(rules, false, light.path, light.cosine > 0 ? top[p] : 1, bottom[p], both, sum);
     }
     for (size_t c = 0; c < 3; ++c)
-        rgb[c] = fmin(fmax(0.5 * film_row(rules->to_rgb[c], sum), 0), 1);
+        rgb[c] = fmin(fmax(0.5 * nqm_dot3(rules->to_rgb[c], sum), 0), 1);
 }
 
 /** On a surface of index eta + i k (3); indices of films below 1 count as 1. */
@@ -140,11 +136,6 @@ static inline void film_on_schlick(thin_film film, double cosine, const double *
 
 /* ---- glTF: KHR_materials_iridescence ------------------------------------------------------------------------------- */
 
-INLINED double film_f0(double inside, double outside) {
-    const double r = (inside - outside) / (inside + outside);
-    return r * r;
-}
-
 /** On a surface of reflectance f0 (3) at normal incidence, with Schlick's factors at both interfaces and no polarisation. */
 static inline void film_on_gltf(const thin_film *film, double cosine, const double *f0, double *rgb) {
     static const film_rules rules = {
@@ -156,10 +147,10 @@ static inline void film_on_gltf(const thin_film *film, double cosine, const doub
     double bottom[3], phase[3], sum[3] = {0};
     for (size_t i = 0; i < 3; ++i) {
         const double root = sqrt(fmin(f0[i], 0.9999)), eta = (1 + root) / (1 - root);
-        bottom[i] = schlick_factor(film_f0(eta, film->ior), light.cosine);
+        bottom[i] = schlick_factor(f0_between(eta, film->ior), light.cosine);
         phase[i] = (film->ior < 1 ? 0 : NQM_PI) + (eta < film->ior ? NQM_PI : 0);
     }
-    film_add(&rules, true, light.path, schlick_factor(film_f0(film->ior, 1), cosine), bottom, phase, sum);
+    film_add(&rules, true, light.path, schlick_factor(f0_between(film->ior, 1), cosine), bottom, phase, sum);
     for (size_t c = 0; c < 3; ++c)
         rgb[c] = light.cosine > 0 ? fmax(0, sum[c]) : 1;
 }

@@ -2,7 +2,6 @@
  *
  * nqm convert - writes any BRDF as a table.
  */
-#include "base/names.h"
 #include "figures/picture.h"
 #include "nqm/tool.h"
 

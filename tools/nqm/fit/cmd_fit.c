@@ -3,7 +3,6 @@
  * nqm fit - encode a BRDF: fit analytic models, train a network, use a learned dictionary or hypernetwork. The result is a
  * spec or a file.
  */
-#include "base/names.h"
 #include "fit/fit.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"

@@ -2,7 +2,6 @@
  *
  * nqm regress - fit the curve from Delta-E ITP to JOD to human scores.
  */
-#include "base/names.h"
 #include "io/io.h"
 #include "nqm/tool.h"
 

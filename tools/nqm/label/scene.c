@@ -4,8 +4,6 @@
  */
 #include "nqm/label/scene.h"
 
-#include "base/names.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,6 @@
  *
  * nqm dedup - clusters of materials of a library that look like one of them.
  */
-#include "base/names.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 

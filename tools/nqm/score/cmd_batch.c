@@ -3,7 +3,6 @@
  * nqm batch - scores the pairs of a list in the order of the list. The columns of the list come first, unchanged.
  * batch_pieces.c has the results, also those of an interrupted run; batch_summary.c what is made of all rows.
  */
-#include "base/names.h"
 #include "nqm/rows.h"
 #include "nqm/score/batch.h"
 

@@ -4,7 +4,6 @@
  * CSV and JSON.
  */
 #include "argument/argument.h"
-#include "base/names.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 

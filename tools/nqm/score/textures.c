@@ -2,7 +2,6 @@
  *
  * Pairs with a textured material in `nqm score` and its like: their scores, and what is said of them beside those of one BRDF.
  */
-#include "base/names.h"
 #include "figures/picture.h"
 #include "io/io.h"
 #include "nqm/score/score.h"
