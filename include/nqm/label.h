@@ -64,7 +64,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
  *                    stands for 1024
  * @param anisotropic  nonzero: a model for anisotropic BRDFs, too, of how much light each point receives by the slope of
  *                    the half vector. BRDFs are evaluated at half vectors that are placed by their lobe, so that lobes
- *                    of any width, shape and lean are right; samples at fixed directions have no score. The built-in
+ *                    of any width, shape and tilt are right; samples at fixed directions have no score. The built-in
  *                    model "anisotropic" has the standard scenes
  * @param n_points    of all scenes together: a multiple of 32 up to 4096; anisotropic: 4 to 4096 of 22 KB each
  * @param id          of the model; copied

@@ -25,7 +25,7 @@ nqm_texture_view nqm_scene_texture_view_default(void);
 /** nqm_scene_render_halves() of a textured material; nqm_scene_compare_halves() makes labels of two pictures, which have the same
  *  positions if the views are equal. The far label, of textures that are smaller than a point, needs many tiles and samples: a metal
  *  with stripes of roughness .125 and .75 in 3072 points of a sphere differs from the mean of both by Delta-E 19 at 64 tiles (a point
- *  shows a third of a tile), 2.5 at 1024 tiles and 64 samples, 1.1 at 1024 tiles and 256 samples. A sample with a normal that leans
+ *  shows a third of a tile), 2.5 at 1024 tiles and 64 samples, 1.1 at 1024 tiles and 256 samples. A sample with a tilted normal
  *  has light directions of its own, about 0.1 ms. A constant texture gives the bits of nqm_scene_render_halves().
  *
  * @param view      NULL: the defaults

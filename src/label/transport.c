@@ -43,7 +43,7 @@ static void visit_point(void *user, size_t i) {
     point[1] = (double)job->number;
     point[2] = scene->options.peak_cdm2;
     if (job->to->wo)
-        nqm_turn3(seen->grain, seen->wo, job->to->wo + 3 * column);
+        nqm_turn3(seen->tangent, seen->wo, job->to->wo + 3 * column);
     for (size_t j = 0; j < incident->n_rays; ++j) {
         double wi[3], light[3];
         nqm_ray_light(&incident->ray[j], scene->exposure, wi, light);
@@ -89,7 +89,7 @@ static void add_to_cell(const filling *to, const nqm_surface_point *point, const
                         size_t column) {
     const double *out = to->wo + 3 * column;
     double in[3];
-    nqm_turn3(point->grain, wi, in);
+    nqm_turn3(point->tangent, wi, in);
     const size_t cell = nqm_slope_cell((in[0] + out[0]) / (in[2] + out[2]), (in[1] + out[1]) / (in[2] + out[2]));
     for (size_t c = 0; c < 3; ++c)
         to->light[(3 * cell + c) * to->n_points + column] += (float)light_cdm2[c];

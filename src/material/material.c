@@ -320,7 +320,7 @@ static bool is_taken(size_t n, const nqm_written_material *materials, const char
 }
 
 /* The name of material i, which differs from those before: a number is appended. */
-static void settle_name(size_t i, nqm_written_material *materials) {
+static void make_name_unique(size_t i, nqm_written_material *materials) {
     char *name = materials[i].name, stem[sizeof materials->name];
     clean_name(name);
     memcpy(stem, name, sizeof stem);
@@ -349,7 +349,7 @@ nqm_status nqm_materials_write(size_t n, nqm_written_material *materials, const 
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     for (size_t i = 0; i < n; ++i)
-        settle_name(i, materials);
+        make_name_unique(i, materials);
     nqm_status status = select_format(materials->values.schema->model, path, &format, err);
     if (status == NQM_OK)
         status = nqm_outfile_open(path, &out, err);

@@ -231,7 +231,7 @@ static void group_by_reference(nqm_scorer *s, size_t n) {
     }
 }
 
-static void settle(void *user, size_t i) {
+static void finish_result(void *user, size_t i) {
     const score_job *job = user;
     const nqm_scorer *s = job->scorer;
     nqm_score_result *result = &job->results[i];
@@ -265,7 +265,7 @@ static void score_members(nqm_scorer *s, size_t n, nqm_score_result *results) {
     group_by_reference(s, n);
     nqm_parallel_for(n, compare, &job);
     nqm_predictor_run(s->predictor, n, s->pairs, s->predictions, s->options.metrics ? s->metrics : NULL);
-    nqm_parallel_for(n, settle, &job);
+    nqm_parallel_for(n, finish_result, &job);
 }
 
 nqm_status nqm_scorer_anisotropic(nqm_scorer *s, const nqm_model **anisotropic_ret, nqm_error *err) {

@@ -20,7 +20,7 @@ typedef struct session {
     nqm_error first; /* error of the first failed check */
 } session;
 
-static void settle(session *s, const char *name, nqm_status status, const nqm_error *err) {
+static void record(session *s, const char *name, nqm_status status, const nqm_error *err) {
     bool passed = status == NQM_OK;
     if (!passed && s->n_failed++ == 0)
         nqm_fail(&s->first, NQM_ERR_NUMERIC, -1, "%s: %s", name, err->message);
@@ -133,14 +133,14 @@ static void check_model(session *s, const nqm_embedded_file *embedded) {
     nqm_status status =
         nqm_model_parse(embedded->begin, (size_t)(embedded->end - embedded->begin), embedded->name, true, &model, &err);
     snprintf(name, sizeof name, "model %s: checksum and tensors", embedded->name);
-    settle(s, name, status, &err);
+    record(s, name, status, &err);
     if (status == NQM_OK) {
         if (nqm_model_has_network(model)) {
             snprintf(name, sizeof name, "model %s: network by plain loops", embedded->name);
-            settle(s, name, check_forward(model, &err), &err);
+            record(s, name, check_forward(model, &err), &err);
         }
         snprintf(name, sizeof name, "model %s: golden scores", embedded->name);
-        settle(s, name, nqm_golden_check(model, &err), &err);
+        record(s, name, nqm_golden_check(model, &err), &err);
     }
     nqm_model_free(model);
 }
@@ -155,7 +155,7 @@ nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed)
     session s = {.report = report, .user = user};
     for (size_t i = 0; i < sizeof checks / sizeof *checks; ++i) {
         nqm_error inner = {0};
-        settle(&s, checks[i].name, checks[i].check(&inner), &inner);
+        record(&s, checks[i].name, checks[i].check(&inner), &inner);
     }
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         check_model(&s, m);

@@ -168,7 +168,7 @@ static void sample_cosine(double u, double v, double *wi) {
 static void stretch(const sampler *s, double *h) {
     const nqm_lobe *lobe = s->lobe;
     const double x = h[0] / h[2], y = h[1] / h[2], *axes = lobe->axes;
-    const double back[2] = {-s->point->grain[0], s->point->grain[1]};
+    const double back[2] = {-s->point->tangent[0], s->point->tangent[1]};
     h[0] = lobe->center[0] + axes[0] * x + axes[1] * y;
     h[1] = lobe->center[1] + axes[2] * x + axes[3] * y;
     h[2] = 1;
@@ -180,7 +180,7 @@ static void stretch(const sampler *s, double *h) {
 static double position_in(const sampler *s, const double *h) {
     const nqm_lobe *lobe = s->lobe;
     double in[3];
-    nqm_turn3(s->point->grain, h, in);
+    nqm_turn3(s->point->tangent, h, in);
     const double x = in[0] / in[2] - lobe->center[0], y = in[1] / in[2] - lobe->center[1], *axes = lobe->axes;
     return hypot(axes[3] * x - axes[1] * y, axes[0] * y - axes[2] * x);
 }

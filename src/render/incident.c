@@ -55,7 +55,7 @@ static bool fill_bounce(const nqm_scene *scene, const nqm_surface_point *point, 
     bounce->n_rays = 0;
     to_float(met.wo, bounce->wo);
     for (size_t k = 0; k < 2; ++k)
-        bounce->grain[k] = (float)met.grain[k];
+        bounce->tangent[k] = (float)met.tangent[k];
     for (size_t j = 0; j < set.n_used; ++j) {
         if (is_black(weight + 3 * j) || blocked(scene, &met, wi + 3 * j))
             continue;

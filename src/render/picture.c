@@ -35,15 +35,15 @@ static void from_float(const float *f, double *v) {
 /* A BRDF in the frame of a point. */
 typedef struct surface {
     const nqm_brdf *brdf, *beside;
-    double grain[2];
+    double tangent[2];
 } surface;
 
 /* nqm_brdf_eval() of directions in the frame of the point, which become those of the surface. */
 static void eval(const surface *s, size_t n, double *wi, double *wo, double *f, uint8_t *flag) {
     const bool is_isotropic = s->brdf->info.isotropic && (!s->beside || s->beside->info.isotropic);
     for (size_t j = 0; !is_isotropic && j < n; ++j) {
-        nqm_turn3(s->grain, wi + 3 * j, wi + 3 * j);
-        nqm_turn3(s->grain, wo + 3 * j, wo + 3 * j);
+        nqm_turn3(s->tangent, wi + 3 * j, wi + 3 * j);
+        nqm_turn3(s->tangent, wo + 3 * j, wo + 3 * j);
     }
     nqm_brdf_eval(s->brdf, n, wi, wo, f, flag);
     if (!s->beside)
@@ -82,7 +82,7 @@ static void reflect(const surface *s, size_t n_rays, const nqm_ray *ray, const d
 }
 
 static void reflect_bounce(const surface *s, const nqm_bounce *bounce, const double *wo, double *sum) {
-    const surface met = {s->brdf, s->beside, {(double)bounce->grain[0], (double)bounce->grain[1]}};
+    const surface met = {s->brdf, s->beside, {(double)bounce->tangent[0], (double)bounce->tangent[1]}};
     double wi[3], from[3], to[3], f[3], radiance[3] = {0}, light[2] = {0};
     uint8_t flag;
     from_float(bounce->wo, from);
@@ -98,7 +98,7 @@ bool nqm_scene_reflect(const nqm_scene *scene, size_t i, const nqm_brdf *brdf, c
                        const nqm_lobe *lobe, double half[2][3], double light[2]) {
     nqm_surface_point made_point;
     const nqm_surface_point *point = nqm_scene_point(scene, i, &made_point);
-    const surface s = {brdf, beside, {point->grain[0], point->grain[1]}};
+    const surface s = {brdf, beside, {point->tangent[0], point->tangent[1]}};
     nqm_incident made = {0};
     const bool is_kept = scene->kept && !lobe;
     memset(half, 0, 2 * sizeof *half);

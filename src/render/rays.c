@@ -63,8 +63,8 @@ static void append(const drawn *p, double weight, nqm_rays *rays) {
     for (size_t j = 0; j < p->incident.n_rays; ++j, ++rays->n) {
         double wi[3];
         nqm_ray_light(&p->incident.ray[j], scene->exposure, wi, rays->weight + 3 * rays->n);
-        nqm_turn3(seen->grain, wi, rays->wi + 3 * rays->n);
-        nqm_turn3(seen->grain, seen->wo, rays->wo + 3 * rays->n);
+        nqm_turn3(seen->tangent, wi, rays->wi + 3 * rays->n);
+        nqm_turn3(seen->tangent, seen->wo, rays->wo + 3 * rays->n);
         rays->point[rays->n] = rays->n_points;
     }
     memcpy(rays->points + 3 * rays->n_points++, point, sizeof point);

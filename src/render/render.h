@@ -149,11 +149,11 @@ NQM_MUST_CHECK nqm_status nqm_blob_create(nqm_mesh *mesh_ret, nqm_error *err);
  *  Anisotropic BRDFs are evaluated in the axes of the surface, whose first is the tangent. It is horizontal, as on a
  *  turned workpiece: cross(up, normal), and the x axis where the normal is vertical; smooth elsewhere. */
 typedef struct nqm_surface_point {
-    double frame[9];  /* (3, 3) rows: the axes, in world axes */
-    double grain[2];  /* sine and cosine of the turn (nqm_turn3) from the frame to the axes of the surface */
-    double wo[3];     /* local direction to the viewer */
-    double origin[3]; /* origin of shadow rays, in the shape's axes */
-    double turn[2];   /* sine and cosine of the turntable's angle */
+    double frame[9];   /* (3, 3) rows: the axes, in world axes */
+    double tangent[2]; /* sine and cosine of the rotation (nqm_turn3) from the frame to the axes of the surface */
+    double wo[3];      /* local direction to the viewer */
+    double origin[3];  /* origin of shadow rays, in the shape's axes */
+    double turn[2];    /* sine and cosine of the turntable's angle */
 } nqm_surface_point;
 
 /** The point at a hit, seen from world direction `towards` (3). Interpolated normals at more than 85 degrees from it are
@@ -223,7 +223,7 @@ enum { NQM_BOUNCE_LIGHTS = 12 };
 typedef struct nqm_bounce {
     float wi[3], extent; /* as in nqm_direction_set */
     float wo[3];         /* direction towards the point, in the frame of that part */
-    float grain[2];      /* of that part, as in nqm_surface_point */
+    float tangent[2];    /* of that part, as in nqm_surface_point */
     uint32_t n_rays;
     nqm_ray ray[NQM_BOUNCE_LIGHTS]; /* light that reaches that part */
 } nqm_bounce;

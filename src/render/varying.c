@@ -58,19 +58,19 @@ typedef struct rendering {
 static nqm_status reflect(const nqm_scene *scene, size_t i, nqm_brdf *of, double *normal, double half[2][3],
                           nqm_error *err) {
     static const double least_z = 0.05;
-    const bool leans = normal[0] != 0 || normal[1] != 0, is_anisotropic = nqm_brdf_anisotropy(of) > 0;
+    const bool is_tilted = normal[0] != 0 || normal[1] != 0, is_anisotropic = nqm_brdf_anisotropy(of) > 0;
     nqm_brdf *tilted = NULL;
     normal[2] = fmax(normal[2], least_z);
     nqm_normalize3(normal);
-    nqm_status status = leans ? nqm_brdf_tilt(of, normal, &tilted, err) : NQM_OK;
+    nqm_status status = is_tilted ? nqm_brdf_tilt(of, normal, &tilted, err) : NQM_OK;
     if (status != NQM_OK)
         return status;
-    const nqm_brdf *shown = leans ? tilted : of;
+    const nqm_brdf *shown = is_tilted ? tilted : of;
     const nqm_lobe lobe = is_anisotropic
                               ? nqm_lobe_measure(shown)
                               : (nqm_lobe){{normal[0] / normal[2], normal[1] / normal[2]}, {1, 0, 0, 1}, .width = 1};
     double light[2];
-    if (!nqm_scene_reflect(scene, i, shown, NULL, leans || is_anisotropic ? &lobe : NULL, half, light))
+    if (!nqm_scene_reflect(scene, i, shown, NULL, is_tilted || is_anisotropic ? &lobe : NULL, half, light))
         status = nqm_fail_nomem(err, scene->options.n_lights * sizeof(nqm_ray));
     for (size_t k = 0; status == NQM_OK && k < 6; ++k)
         if (!isfinite(half[k / 3][k % 3]))

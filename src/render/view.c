@@ -68,12 +68,12 @@ static void limit_angle(const double *towards, double *normal) {
 }
 
 /* The surface's tangent in the local frame. */
-static void find_grain(nqm_surface_point *point) {
+static void find_tangent(nqm_surface_point *point) {
     const double *normal = point->frame + 6, length = hypot(normal[0], normal[2]);
     const bool is_vertical = length < 1e-9;
     const double tangent[3] = {is_vertical ? 1 : normal[2] / length, 0, is_vertical ? 0 : -normal[0] / length};
-    point->grain[0] = -nqm_dot3(tangent, point->frame + 3);
-    point->grain[1] = nqm_dot3(tangent, point->frame);
+    point->tangent[0] = -nqm_dot3(tangent, point->frame + 3);
+    point->tangent[1] = nqm_dot3(tangent, point->frame);
 }
 
 void nqm_surface_point_make(const nqm_hit *hit, const double *turn, const double *towards, nqm_surface_point *point) {
@@ -84,7 +84,7 @@ void nqm_surface_point_make(const nqm_hit *hit, const double *turn, const double
     point->wo[1] = 0;
     point->wo[2] = nqm_dot3(towards, normal);
     nqm_cross3(normal, tangent, bitangent);
-    find_grain(point);
+    find_tangent(point);
     memcpy(point->origin, hit->origin, sizeof hit->origin);
     memcpy(point->turn, turn, sizeof point->turn);
 }

@@ -95,7 +95,7 @@ TEST(test_texcoord_directions) {
             assert_near(uv[2][1] - uv[0][1], -atan(side / 0.9) / NQM_PI, 1e-9);
             nqm_surface_point made;
             const nqm_surface_point *point = nqm_scene_point(scene, i, &made);
-            double tangent[3] = {1, 0, 0}, back[2] = {-point->grain[0], point->grain[1]}, world[3];
+            double tangent[3] = {1, 0, 0}, back[2] = {-point->tangent[0], point->tangent[1]}, world[3];
             nqm_turn3(back, tangent, tangent);
             nqm_world_from_local(point, tangent, world);
             assert_near(world[0], 1, 1e-9);

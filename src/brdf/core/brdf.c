@@ -64,7 +64,7 @@ nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
 enum { BLOCK = 512 };
 
 /* Clamp and flag one raw value; rgb (3), in and out. */
-static nqm_value_flag settle_value(double *rgb) {
+static nqm_value_flag clamp_value(double *rgb) {
     if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2])) {
         rgb[0] = rgb[1] = rgb[2] = 0;
         return NQM_VALUE_INVALID;
@@ -83,7 +83,7 @@ static nqm_value_flag settle_value(double *rgb) {
  * NULL. */
 static void scatter(size_t m, const size_t *place, double *raw, double *rgb, uint8_t *flag) {
     for (size_t k = 0; k < m; ++k) {
-        nqm_value_flag f = settle_value(raw + 3 * k);
+        nqm_value_flag f = clamp_value(raw + 3 * k);
         memcpy(rgb + 3 * place[k], raw + 3 * k, 3 * sizeof *rgb);
         if (flag)
             flag[place[k]] = (uint8_t)f;
@@ -211,9 +211,9 @@ void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, cons
 /* ---- derivatives by the parameters ------------------------------------------------------------------------------- */
 
 /* Clamp a raw value as eval does; channels that eval replaces by 0 have the derivatives 0. jacobian: (3, n_parameters). */
-static void settle_derivatives(size_t n_parameters, double *rgb, double *jacobian) {
+static void clamp_derivatives(size_t n_parameters, double *rgb, double *jacobian) {
     const double raw[3] = {rgb[0], rgb[1], rgb[2]};
-    const nqm_value_flag flag = settle_value(rgb);
+    const nqm_value_flag flag = clamp_value(rgb);
     for (size_t c = 0; flag != NQM_VALUE_OK && c < 3; ++c)
         if (flag == NQM_VALUE_INVALID || raw[c] < 0)
             memset(jacobian + c * n_parameters, 0, n_parameters * sizeof *jacobian);
@@ -240,7 +240,7 @@ nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, c
         else
             mark_horizon(i, rgb, NULL);
         for (size_t k = i; k < i + n_above; ++k)
-            settle_derivatives(n_parameters, rgb + 3 * k, jacobian + row * k);
+            clamp_derivatives(n_parameters, rgb + 3 * k, jacobian + row * k);
     }
     return NQM_OK;
 }

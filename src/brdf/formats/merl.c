@@ -57,7 +57,7 @@ static size_t cell_offset(size_t n_phi, size_t channel, size_t cell) {
     return HEADER_BYTES + 8 * (channel * count_cells(n_phi) + cell);
 }
 
-static double settle(const unsigned char *stored, size_t channel) {
+static double value_of(const unsigned char *stored, size_t channel) {
     double value = nqm_load_f64(stored);
     return value >= 0 ? value * channel_scale[channel] : NAN;
 }
@@ -72,7 +72,7 @@ static void gather_block(const merl *table, size_t n, const double *hd, double *
     }
     nqm_map_gather(&table->map, 3 * n, pieces, sizeof *stored);
     for (size_t i = 0; i < 3 * n; ++i)
-        rgb[i] = settle(stored[i], i % 3);
+        rgb[i] = value_of(stored[i], i % 3);
 }
 
 static void merl_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
@@ -87,7 +87,7 @@ static void merl_eval_half_diff(const void *self, size_t n, const double *hd, do
     for (; i < n; ++i) {
         size_t cell = find_cell(table->n_phi, hd + 3 * i);
         for (size_t c = 0; c < 3; ++c)
-            rgb[3 * i + c] = settle(table->map.data + cell_offset(table->n_phi, c, cell), c);
+            rgb[3 * i + c] = value_of(table->map.data + cell_offset(table->n_phi, c, cell), c);
     }
 }
 

@@ -231,16 +231,17 @@ static void suspect_normals(const part *p, json_t *remarks) {
         }
     for (size_t i = 0; i < 2 * p->width * p->height; ++i)
         mean[i % 2] += p->slope[i] / (double)(p->width * p->height);
-    const double lean_deg = atan(hypot(mean[0], mean[1])) * 57.29577951308232;
-    if (lean_deg > 10)
+    const double tilt_deg = atan(hypot(mean[0], mean[1])) * 57.29577951308232;
+    if (tilt_deg > 10)
         json_array_append_new(
-            remarks, json_sprintf("the normals lean by %.0f degrees on average: is the map read as sRGB?", lean_deg));
+            remarks,
+            json_sprintf("the normals are tilted by %.0f degrees on average: is the map read as sRGB?", tilt_deg));
     if (2 * flipped < curl)
         json_array_append_new(remarks, json_string("the normals fit no surface, and do with green flipped: is it a "
                                                    "map for DirectX?"));
 }
 
-/* Remarks on maps: those that are constant, and normals that lean or whose green is flipped. A new array of strings. */
+/* Remarks on maps: those that are constant, and normals that are tilted or whose green is flipped. A new array of strings. */
 static nqm_status suspect_maps(const nqm_texture *texture, json_t **remarks_ret, nqm_error *err) {
     part p = {.texture = texture};
     for (size_t k = 0; k < N_VALUES; ++k) {

@@ -315,7 +315,7 @@ static void give_up_file(const batch_run *run, int exit_code) {
 }
 
 /* Close the output, report how many rows are written or failed, and return the exit code. */
-static int settle(batch_run *run, int exit_code) {
+static int conclude(batch_run *run, int exit_code) {
     end_progress();
     run->is_complete = exit_code == EXIT_OK;
     batch_summary summary =
@@ -476,7 +476,7 @@ int cmd_batch(int argc, char **argv) {
     save_when_interrupted();
     int exit_code = run.pieces.is_shared ? share_batch_pieces(&run.pieces, r) : EXIT_OK;
     if (r.rank == 0)
-        exit_code = settle(&run, exit_code == EXIT_OK ? score_rows(&run) : exit_code);
+        exit_code = conclude(&run, exit_code == EXIT_OK ? score_rows(&run) : exit_code);
     close_batch_pieces(&run.pieces, run.is_complete);
     nqm_scorer_free(run.scorer);
     nqm_pairs_free(run.list);

@@ -34,11 +34,11 @@ static void print_row(const score_run *run, const scored_pair *row, bool calibra
         printf("  %-4s", gate_mark(&run->gate, r));
     printf("  %s\n", shown(row->name));
     if (scored && !isnan(r->parts.structure)) {
-        char phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
+        char phrases[NQM_LABEL_TEXT + ANISOTROPY_TEXT + 80], changes[ANISOTROPY_TEXT], apart[40] = "";
         if (!isnan(r->similarity[0]))
             snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
         snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_get_info(&r->parts).words, apart,
-                 r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_grain(row, grain) : "");
+                 r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_anisotropy(row, changes) : "");
         print_phrases(phrases);
     }
     if (row->texture)

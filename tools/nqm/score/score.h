@@ -120,9 +120,9 @@ void print_csv_rows(const score_run *run, char *columns, row_maker *make);
 void print_csv_scores(const score_run *run);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
-enum { GRAIN_TEXT = 120 };
+enum { ANISOTROPY_TEXT = 120 };
 /** What of the stretch of highlights an anisotropic pair changes, "; stretched ...; rotated by ..." or "". */
-char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
+char *describe_anisotropy(const scored_pair *row, char text[ANISOTROPY_TEXT]);
 
 /** The gates of scores. */
 bool has_gate(const score_gate *gate);

@@ -290,32 +290,32 @@ bool report_unequal(const score_run *run) {
 }
 
 /* How the highlight of a BRDF is stretched. */
-typedef struct grain {
+typedef struct anisotropy {
     double ratio, azimuth_deg; /* length by width; of the length, -90 to 90 */
-} grain;
+} anisotropy;
 
 static const double round_ratio = 1.1; /* below it a highlight is round */
 
-static grain grain_of(const char *argument) {
+static anisotropy anisotropy_of(const char *argument) {
     nqm_brdf *brdf = open_brdf(argument);
     const nqm_lobe lobe = nqm_lobe_measure(brdf);
     const double degrees = atan2(lobe.axes[2], lobe.axes[0]) * 57.29577951308232;
     const double ratio = lobe.axes[0] * lobe.axes[0] + lobe.axes[2] * lobe.axes[2], azimuth = remainder(degrees, 180);
     nqm_brdf_free(brdf);
-    return (grain){ratio, ratio < round_ratio ? 0 : azimuth < -89.5 ? azimuth + 180 : azimuth};
+    return (anisotropy){ratio, ratio < round_ratio ? 0 : azimuth < -89.5 ? azimuth + 180 : azimuth};
 }
 
-char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]) {
-    static const double seen_turn_deg = 2;
-    const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
-    const double turn = remainder(b.azimuth_deg - a.azimuth_deg, 180);
+char *describe_anisotropy(const scored_pair *row, char text[ANISOTROPY_TEXT]) {
+    static const double seen_rotation_deg = 2;
+    const anisotropy a = anisotropy_of(row->pair.ref), b = anisotropy_of(row->pair.test);
+    const double rotation = remainder(b.azimuth_deg - a.azimuth_deg, 180);
     int n = 0;
     *text = 0;
     if (b.ratio > round_ratio * a.ratio || a.ratio > round_ratio * b.ratio)
-        n = snprintf(text, GRAIN_TEXT, "; stretched %.1f times along %.0f degrees instead of %.1f", b.ratio,
+        n = snprintf(text, ANISOTROPY_TEXT, "; stretched %.1f times along %.0f degrees instead of %.1f", b.ratio,
                      b.ratio > round_ratio ? b.azimuth_deg : a.azimuth_deg, a.ratio);
-    if (a.ratio > round_ratio && b.ratio > round_ratio && fabs(turn) > seen_turn_deg)
-        snprintf(text + n, GRAIN_TEXT - (size_t)n, "; rotated by %.0f degrees", turn);
+    if (a.ratio > round_ratio && b.ratio > round_ratio && fabs(rotation) > seen_rotation_deg)
+        snprintf(text + n, ANISOTROPY_TEXT - (size_t)n, "; rotated by %.0f degrees", rotation);
     return text;
 }
 
@@ -342,7 +342,7 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
     json_t *object = json_row("test:s name:s", row->pair.test, row->name);
     json_object_update_new(object, plain_json(run, row));
     if (row->result.anisotropy > 0) {
-        const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
+        const anisotropy a = anisotropy_of(row->pair.ref), b = anisotropy_of(row->pair.test);
         json_set(object, "anisotropy:f stretched:{ratio:[ff] azimuth_deg:[ff]}", row->result.anisotropy, a.ratio,
                  b.ratio, a.azimuth_deg, b.azimuth_deg);
     }
