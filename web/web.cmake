@@ -25,7 +25,7 @@ foreach(room base math kernel io schema material brdf argument net percept sampl
 endforeach()
 # What web/shim replaces, and what a page does not need.
 list(FILTER nqm_sources EXCLUDE REGEX
-  "/(base/(dynamic|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
+  "/(base/(shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
 list(APPEND nqm_sources tools/figures/picture.c tools/nqm/show/charts.c)
 file(GLOB shims CONFIGURE_DEPENDS ${web}/shim/*.c ${web}/src/*.c)
 add_executable(nqm_web ${nqm_sources} ${shims} ${NQM_GENERATED_SOURCES} ${NQM_WEB_MODELS})

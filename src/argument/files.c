@@ -4,8 +4,8 @@
  * mapped until they are opened.
  */
 #include "argument/argument.h"
+#include "base/os.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
 
 enum { N_KEPT = 2 }; /* lists pair the materials of two files */

@@ -3,13 +3,13 @@
  * Opens the BRDF of an argument.
  */
 #include "argument/argument.h"
+#include "base/os.h"
 
 #include "brdf/core/spec.h"
 #include <errno.h>
 
 static nqm_status fail_absent(const char *path, nqm_error *err) {
-    struct stat st;
-    return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(stat(path, &st) == 0 ? 0 : errno));
+    return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(nqm_os_exists(path) ? 0 : errno));
 }
 
 /* Neither a file nor a spec: is it a misspelt spec, or one without its colon or with another character there? */

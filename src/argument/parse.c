@@ -4,9 +4,9 @@
  * "PATH:MEMBER".
  */
 #include "argument/argument.h"
+#include "base/os.h"
 
 #include "brdf/core/spec.h"
-#include <unistd.h>
 
 enum { MAX_DEPTH = 16 };
 static const char ignore[] = "ignore:";
@@ -115,12 +115,11 @@ static nqm_argument *split(const char *text) {
 
 /* The last colon before which there is a file; NULL: there is none. */
 static char *find_member(char *rest) {
-    struct stat st;
     for (size_t i = strlen(rest); i--;) {
         if (rest[i] != ':')
             continue;
         rest[i] = 0;
-        const bool is_there = stat(rest, &st) == 0;
+        const bool is_there = nqm_os_exists(rest);
         rest[i] = ':';
         if (is_there)
             return rest + i;
@@ -129,10 +128,9 @@ static char *find_member(char *rest) {
 }
 
 static void find_file(nqm_argument *a, char *rest, nqm_argument_files *files) {
-    struct stat st;
     char *colon = NULL;
     a->path = rest;
-    if (stat(rest, &st) != 0) {
+    if (!nqm_os_exists(rest)) {
         colon = find_member(rest);
         if (!colon)
             return;
@@ -140,7 +138,7 @@ static void find_file(nqm_argument *a, char *rest, nqm_argument_files *files) {
         a->member = colon + 1;
     }
     a->kind = NQM_ARGUMENT_FILE;
-    if ((!colon || stat(rest, &st) == 0) && S_ISDIR(st.st_mode)) {
+    if (nqm_os_is_folder(rest)) {
         a->n_networks = nqm_networks_in_folder(rest, &a->network);
         a->kind = a->n_networks ? NQM_ARGUMENT_NETWORKS : colon ? NQM_ARGUMENT_FILE : NQM_ARGUMENT_FOLDER;
     }
@@ -211,5 +209,5 @@ char *nqm_argument_reflecting(const nqm_argument *a, unsigned set) {
 
 size_t nqm_argument_name_length(const char *text) {
     const size_t n = strcspn(text, "=:/");
-    return text[n] == '=' && text[n + 1] && !nqm_spec_lacks_colon(text) && access(text, F_OK) != 0 ? n : 0;
+    return text[n] == '=' && text[n + 1] && !nqm_spec_lacks_colon(text) && !nqm_os_exists(text) ? n : 0;
 }

@@ -12,7 +12,6 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /** Before a function: it is compiled for each width of vectors, and the widest that the processor has is called. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(NQM_ONE_VECTOR_WIDTH)
@@ -178,23 +177,21 @@ void nqm_outfile_abort(nqm_outfile *out);
  *  at once. */
 void nqm_outfile_unlink_all(void);
 
+struct nqm_file_info; /* os.h */
+
 /* Roles of files. No run of the tool replaces a file that it reads: the tool calls nqm_roles_enforce() first. From then on the
- * process keeps device and inode of every file that it opens with nqm_map_open(), and of every existing file that it opens with
+ * process keeps the identity of every file that it opens with nqm_map_open(), and of every existing file that it opens with
  * nqm_outfile_open(), by whatever path: 48 bytes for each, until it ends. Opening one as both, in either order, and renaming an
  * output over an input, give NQM_ERR_ARG. Threads may share the functions. */
 
 /** Begin to keep and compare roles. There is no way back. */
 void nqm_roles_enforce(void);
 /** Make a file an input, for readers that do not use nqm_map_open(). */
-NQM_MUST_CHECK nqm_status nqm_role_input(const struct stat *st, const char *path, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_role_input(const struct nqm_file_info *file, const char *path, nqm_error *err);
 /** Make a file an output, if it exists. */
 NQM_MUST_CHECK nqm_status nqm_role_output(const char *path, nqm_error *err);
-/** Remove the roles of a file that has been created or replaced: inode numbers are used again. */
-void nqm_role_forget(const struct stat *st);
-
-/** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
- *  replaced the file. */
-bool nqm_is_file_at(int fd, const char *path);
+/** Remove the roles of a file that has been created or replaced: the system uses identities again. */
+void nqm_role_forget(const struct nqm_file_info *file);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 
@@ -274,6 +271,8 @@ void nqm_names_free(nqm_names *names);
 
 /** Whether a file name ends in `suffix` (any case) and has something before it. */
 bool nqm_name_ends_in(const char *path, const char *suffix);
+/** Whether the first n characters of two strings are equal, ASCII letters in any case; n: SIZE_MAX: all. */
+bool nqm_equal_any_case(const char *a, const char *b, size_t n);
 
 /** The name among several that is most like a misspelt one. */
 typedef struct nqm_nearest {

@@ -2,24 +2,21 @@
  *
  * Memory-mapped input files.
  */
-#include "base/base.h"
+#include "base/os.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 static void close_file(nqm_map *map) {
     if (map->has_fd)
-        close(map->fd);
+        nqm_os_close(map->fd);
     map->has_fd = false;
 }
 
 static char *only_within; /* of which files are read, without links; NULL: of any */
 
 nqm_status nqm_files_within(const char *folder, nqm_error *err) {
-    char *real = folder ? realpath(folder, NULL) : NULL;
+    char *real = folder ? nqm_os_real_path(folder) : NULL;
     if (folder && !real)
         return nqm_fail(err, errno == ENOMEM ? NQM_ERR_NOMEM : NQM_ERR_IO, -1, "%s: %s", folder, strerror(errno));
     free(only_within);
@@ -28,7 +25,7 @@ nqm_status nqm_files_within(const char *folder, nqm_error *err) {
 }
 
 static nqm_status check_folder(const char *path, nqm_error *err) {
-    char *real = only_within ? realpath(path, NULL) : NULL;
+    char *real = only_within ? nqm_os_real_path(path) : NULL;
     const size_t n = real ? strlen(only_within) : 0;
     const bool is_within =
         real && strncmp(real, only_within, n) == 0 && (real[n] == '/' || strcmp(only_within, "/") == 0);
@@ -44,26 +41,25 @@ static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *
     nqm_status status = check_folder(path, err);
     if (status != NQM_OK)
         return status;
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a FIFO must not block */
+    const int fd = nqm_os_open(path, NQM_OPEN_READ);
     if (fd < 0)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
-    struct stat st;
-    const char *fault = fstat(fd, &st) != 0    ? strerror(errno)
-                        : S_ISDIR(st.st_mode)  ? "is a directory, a file is needed"
-                        : !S_ISREG(st.st_mode) ? "is not a regular file"
-                                               : NULL;
-    status = !fault && is_input ? nqm_role_input(&st, path, err) : NQM_OK;
-    void *data = NULL;
-    if (!fault && status == NQM_OK && st.st_size > 0)
-        data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (data == MAP_FAILED)
+    nqm_file_info info;
+    const char *fault = !nqm_os_get_info_of(fd, &info)  ? strerror(errno)
+                        : info.kind == NQM_FILE_FOLDER  ? "is a directory, a file is needed"
+                        : info.kind != NQM_FILE_REGULAR ? "is not a regular file"
+                                                        : NULL;
+    status = !fault && is_input ? nqm_role_input(&info, path, err) : NQM_OK;
+    const bool has_bytes = !fault && status == NQM_OK && info.n_bytes > 0;
+    void *data = has_bytes ? nqm_os_map(fd, (size_t)info.n_bytes) : NULL;
+    if (has_bytes && !data)
         fault = strerror(errno);
     if (fault)
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, fault);
     if (status == NQM_OK)
-        *map_ret = (nqm_map){data, data ? (size_t)st.st_size : 0, path, keep && data, fd};
+        *map_ret = (nqm_map){data, data ? (size_t)info.n_bytes : 0, path, keep && data, fd};
     if (!map_ret->has_fd)
-        close(fd);
+        nqm_os_close(fd);
     return status;
 }
 
@@ -78,8 +74,8 @@ nqm_status nqm_map_open_own(const char *path, nqm_map *map_ret, nqm_error *err) 
 nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err) {
     enum { MAX_KEPT_FD = 256 }; /* the usual limit of a process is 1024 */
     nqm_status status = open_map(path, true, true, map_ret, err);
-    if (map_ret->data) /* advice only, failure is harmless */
-        (void)posix_madvise((void *)(uintptr_t)map_ret->data, map_ret->n_bytes, POSIX_MADV_RANDOM);
+    if (map_ret->data)
+        nqm_os_advise_pages(map_ret->data, map_ret->n_bytes, NQM_ADVICE_RANDOM);
     if (map_ret->has_fd && map_ret->fd >= MAX_KEPT_FD)
         close_file(map_ret);
     return status;
@@ -88,15 +84,14 @@ nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *er
 void nqm_map_expect(const nqm_map *map, bool everything) {
     if (!map->data)
         return;
-    void *data = (void *)(uintptr_t)map->data;
-    (void)posix_madvise(data, map->n_bytes, POSIX_MADV_NORMAL);
+    nqm_os_advise_pages(map->data, map->n_bytes, NQM_ADVICE_NORMAL);
     if (everything)
-        (void)posix_madvise(data, map->n_bytes, POSIX_MADV_WILLNEED);
+        nqm_os_advise_pages(map->data, map->n_bytes, NQM_ADVICE_SOON);
 }
 
 void nqm_map_close(nqm_map *map) {
     close_file(map);
     if (map->data)
-        munmap((void *)(uintptr_t)map->data, map->n_bytes);
+        nqm_os_free_pages(map->data, map->n_bytes);
     *map = (nqm_map){0};
 }

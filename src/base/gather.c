@@ -3,26 +3,19 @@
  * Small pieces from many places of a large file: first the leading pieces that are in the page cache, without waiting; then the
  * others, in order of offset, after asking the system to prefetch all of them.
  */
-/* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
-#define _GNU_SOURCE /* preadv2 */
-#include "base/base.h"
+#include "base/os.h"
 
-#include <fcntl.h>
 #include <stdlib.h>
-#include <sys/uio.h>
-#include <unistd.h>
 
 /* Bytes. Pieces with a smaller gap are fetched in one request: a request costs as much as reading a few more pages. */
 enum { MAX_GAP = 8192 };
 
 /* Read the pieces up to the first one that is not in the page cache; returns the number of pieces read. */
 static size_t read_present(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
-    for (size_t i = 0; i < n; ++i) {
-        const struct iovec to = {.iov_base = pieces[i].out, .iov_len = n_each};
-        if (preadv2(fd, &to, 1, (off_t)pieces[i].offset, RWF_NOWAIT) != (ssize_t)n_each)
-            return i;
-    }
-    return n;
+    size_t i = 0;
+    while (i < n && nqm_os_read_at(fd, pieces[i].offset, n_each, pieces[i].out, true))
+        ++i;
+    return i;
 }
 
 static int by_offset(const void *a, const void *b) {
@@ -30,23 +23,23 @@ static int by_offset(const void *a, const void *b) {
     return (left > right) - (left < right);
 }
 
-/* Prefetch all pieces, so that the disk reads them concurrently. Advice only, failure is harmless. */
+/* Prefetch all pieces, so that the disk reads them concurrently. */
 static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
     for (size_t i = 0; i < n;) {
         size_t begin = pieces[i].offset, end = begin + n_each;
         for (; i < n && pieces[i].offset <= end + MAX_GAP; ++i)
             end = pieces[i].offset + n_each;
-        (void)posix_fadvise(fd, (off_t)begin, (off_t)(end - begin), POSIX_FADV_WILLNEED);
+        nqm_os_advise(fd, begin, end - begin, NQM_ADVICE_SOON);
     }
 }
 
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each) {
-    (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no read-ahead beyond the requested pieces */
+    nqm_os_advise(map->fd, 0, 0, NQM_ADVICE_RANDOM); /* no read-ahead beyond the requested pieces */
     size_t n_read = read_present(map->fd, n, pieces, n_each);
     pieces += n_read, n -= n_read;
     qsort(pieces, n, sizeof *pieces, by_offset);
     announce(map->fd, n, pieces, n_each);
     for (size_t i = 0; i < n; ++i)
-        if (pread(map->fd, pieces[i].out, n_each, (off_t)pieces[i].offset) != (ssize_t)n_each)
+        if (!nqm_os_read_at(map->fd, pieces[i].offset, n_each, pieces[i].out, false))
             memset(pieces[i].out, 0xff, n_each);
 }

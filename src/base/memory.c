@@ -4,11 +4,11 @@
  */
 #include "base/base.h"
 #include "base/memory_test.h"
+#include "base/os.h"
 
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 enum { ALIGNMENT = 64 }; /* bytes of a cache line, and of the widest vector register */
 
@@ -71,28 +71,20 @@ nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error 
     return at ? NQM_OK : nqm_fail_nomem(err, n_bytes);
 }
 
-enum { MIN_PAGES = 1 << 20 }; /* bytes; for smaller blocks mmap() costs more than it saves */
+enum { MIN_PAGES = 1 << 20 }; /* bytes; for smaller blocks mapping costs more than it saves */
 
 void *nqm_alloc_pages(size_t n, size_t size) {
     size_t n_bytes;
     if (!nqm_mul_size(n, size, &n_bytes) || n_bytes < MIN_PAGES)
         return nqm_alloc(n, size);
-    if (told_to_fail())
-        return NULL;
-    void *block = mmap(NULL, n_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (block == MAP_FAILED)
-        return NULL;
-#ifdef MADV_HUGEPAGE
-    (void)madvise(block, n_bytes, MADV_HUGEPAGE); /* advice only, failure is harmless */
-#endif
-    return block;
+    return told_to_fail() ? NULL : nqm_os_alloc_pages(n_bytes);
 }
 
 void nqm_free_pages(void *block, size_t n, size_t size) {
     if (n * size < MIN_PAGES)
         nqm_free(block);
     else if (block)
-        munmap(block, n * size);
+        nqm_os_free_pages(block, n * size);
 }
 
 void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size) {

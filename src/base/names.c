@@ -4,8 +4,6 @@
  */
 #include "base/base.h"
 
-#include <strings.h>
-
 nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
     size_t *start = nqm_grow(names->start, &names->max_n, names->n + 1, sizeof *start);
     names->start = start ? start : names->start;
@@ -37,8 +35,12 @@ void nqm_names_free(nqm_names *names) {
 
 enum { MAX_LENGTH = 40 };
 
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
 static char fold(char c) {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' ? '-' : c;
+    return c == '_' ? '-' : lower(c);
 }
 
 /* Edit distance with exchanges of neighbours; a and b have at most MAX_LENGTH characters. d[i][j]: of the first i characters
@@ -76,5 +78,12 @@ void nqm_nearest_add(nqm_nearest *nearest, const char *name) {
 
 bool nqm_name_ends_in(const char *path, const char *suffix) {
     size_t n = strlen(path), n_suffix = strlen(suffix);
-    return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
+    return n > n_suffix && nqm_equal_any_case(path + n - n_suffix, suffix, n_suffix);
+}
+
+bool nqm_equal_any_case(const char *a, const char *b, size_t n) {
+    size_t i = 0;
+    while (i < n && a[i] && lower(a[i]) == lower(b[i]))
+        ++i;
+    return i == n || lower(a[i]) == lower(b[i]);
 }

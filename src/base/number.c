@@ -2,24 +2,10 @@
  *
  * Numbers in files. Text is converted in the "C" locale, which the calling thread uses during the conversion.
  */
-#include "base/base.h"
+#include "base/os.h"
 
-#include <locale.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
-
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-static locale_t c_locale; /* created once and never freed: a few hundred bytes */
-
-static void make_c_locale(void) {
-    c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-}
-
-static locale_t enter_c_locale(void) {
-    pthread_once(&once, make_c_locale);
-    return uselocale(c_locale);
-}
 
 uint64_t nqm_load_integer(const unsigned char *p, size_t n_bytes, bool big_endian) {
     uint64_t bits = 0;
@@ -59,10 +45,10 @@ void nqm_sha256_add_values(nqm_sha256 *sha, size_t n, size_t n_each, const void 
 }
 
 bool nqm_parse_double(const char *text, const char **end, double *value) {
-    locale_t before = enter_c_locale();
+    void *before = nqm_os_enter_c_locale();
     char *stop;
     double v = strtod(text, &stop);
-    uselocale(before);
+    nqm_os_leave_locale(before);
     if (stop == text || !isfinite(v) || memchr(text, 'x', (size_t)(stop - text)) ||
         memchr(text, 'X', (size_t)(stop - text))) /* strtod() also reads hexadecimal numbers */
         return false;
@@ -72,13 +58,13 @@ bool nqm_parse_double(const char *text, const char **end, double *value) {
 }
 
 char *nqm_format_double(char *buffer, size_t n_buffer, double value) {
-    locale_t before = enter_c_locale();
+    void *before = nqm_os_enter_c_locale();
     for (int digits = 6; digits <= 17; ++digits) {
         snprintf(buffer, n_buffer, "%.*g", digits, value);
         if (strtod(buffer, NULL) == value)
             break;
     }
-    uselocale(before);
+    nqm_os_leave_locale(before);
     return buffer;
 }
 

@@ -3,25 +3,17 @@
  * Output files that are renamed to their final name when they are complete. The temporary file is locked while it is written, so that
  * a later run can tell the file of a killed process, which it removes, from one that another process is writing.
  */
-#include "base/base.h"
+#include "base/os.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-bool nqm_is_file_at(int fd, const char *path) {
-    struct stat open_file, named;
-    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 && open_file.st_dev == named.st_dev &&
-           open_file.st_ino == named.st_ino;
-}
 
 /* Devices, pipes and open descriptors (/dev/null, /dev/fd/3) are written in place: a rename would replace them. */
 static bool is_special(const char *path) {
-    struct stat st;
-    return strncmp(path, "/dev/", 5) == 0 || (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode));
+    nqm_file_info info;
+    return nqm_os_is_device(path) ||
+           (nqm_os_get_info(path, &info) && info.kind != NQM_FILE_REGULAR && info.kind != NQM_FILE_FOLDER);
 }
 
 /* ---- temporary names: PATH.1.part, PATH.2.part, ... --------------------------------------------------------------- */
@@ -36,12 +28,12 @@ static void name_temporary(nqm_outfile *out, unsigned number) {
 
 /* Remove a temporary file that no process is writing. On a file system without locks it stays. */
 static void remove_abandoned(const char *name) {
-    const int fd = open(name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    const int fd = nqm_os_open(name, NQM_OPEN_WRITE);
     if (fd < 0)
         return;
-    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && nqm_is_file_at(fd, name))
-        unlink(name);
-    close(fd);
+    if (nqm_os_lock(fd, name) == NQM_LOCK_TAKEN)
+        nqm_os_remove(name);
+    nqm_os_close(fd);
 }
 
 /* Remove what killed processes have left of this output. Numbers are given from 1 up, the first free one first; gaps come from
@@ -50,40 +42,30 @@ static void remove_all_abandoned(nqm_outfile *out) {
     enum { MAX_GAP = 8 };
     for (unsigned number = 1, gap = 0; gap < MAX_GAP; ++number) {
         name_temporary(out, number);
-        gap = access(out->temporary, F_OK) == 0 ? 0 : gap + 1;
+        gap = nqm_os_exists(out->temporary) ? 0 : gap + 1;
         if (gap == 0)
             remove_abandoned(out->temporary);
     }
 }
 
-/* Give an open file the permissions of the file `path`, if that exists. */
-static void keep_mode(int fd, const char *path) {
-    struct stat st;
-    if (stat(path, &st) == 0)
-        (void)fchmod(fd, st.st_mode & 0777); /* a file system without permissions refuses */
-}
-
-/* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. A new file has the permissions that
- * the umask leaves; one that replaces a private file is private from the beginning. */
+/* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. */
 static int create_temporary(nqm_outfile *out) {
-    struct stat st;
-    const mode_t mode = stat(out->path, &st) == 0 ? st.st_mode & 0666 : 0666;
+    nqm_file_info info;
     for (unsigned number = 1;; ++number) {
         name_temporary(out, number);
         remove_abandoned(out->temporary);
-        const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        const int fd = nqm_os_open_new(out->temporary, out->path);
         if (fd < 0 && errno != EEXIST)
             return -1;
         /* Another process may remove the new file before it is locked. */
-        if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
-            nqm_is_file_at(fd, out->temporary)) {
-            keep_mode(fd, out->path);
-            if (fstat(fd, &st) == 0)
-                nqm_role_forget(&st);
+        const nqm_lock lock = fd >= 0 ? nqm_os_lock(fd, out->temporary) : NQM_LOCK_GONE;
+        if (lock == NQM_LOCK_TAKEN || lock == NQM_LOCK_UNSUPPORTED) {
+            if (nqm_os_get_info_of(fd, &info))
+                nqm_role_forget(&info);
             return fd;
         }
         if (fd >= 0)
-            close(fd);
+            nqm_os_close(fd);
     }
 }
 
@@ -121,17 +103,17 @@ static void forget_unfinished(const char *name) {
 void nqm_outfile_unlink_all(void) {
     for (size_t i = 0; i < N_UNFINISHED; ++i)
         if (atomic_load(&unfinished[i].state) == 2)
-            unlink(unfinished[i].name);
+            nqm_os_remove(unfinished[i].name);
 }
 
 /* ---- output files ------------------------------------------------------------------------------------------------ */
 
 /* Rename a complete file to `path`, unless that would replace an input of this run. */
 static nqm_status replace(const char *temporary, const char *path, nqm_error *err) {
-    struct stat old;
-    const bool exists = stat(path, &old) == 0;
+    nqm_file_info old;
+    const bool exists = nqm_os_get_info(path, &old);
     nqm_status status = nqm_role_output(path, err);
-    if (status == NQM_OK && rename(temporary, path) != 0)
+    if (status == NQM_OK && !nqm_os_replace(temporary, path))
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
     if (status == NQM_OK && exists)
         nqm_role_forget(&old);
@@ -140,10 +122,10 @@ static nqm_status replace(const char *temporary, const char *path, nqm_error *er
 
 /* Why a file that exists must not be replaced, or NULL. Its owner could rename over a write-protected file, and root over any. */
 static const char *find_protection(const char *path) {
-    struct stat st;
-    if (stat(path, &st) != 0)
-        return lstat(path, &st) == 0 ? "it is a symbolic link to nothing; remove it, or create its file" : NULL;
-    if (S_ISREG(st.st_mode) && (!(st.st_mode & 0222) || access(path, W_OK) != 0))
+    nqm_file_info info;
+    if (!nqm_os_get_info(path, &info))
+        return nqm_os_is_link(path) ? "it is a symbolic link to nothing; remove it, or create its file" : NULL;
+    if (info.kind == NQM_FILE_REGULAR && !nqm_os_is_writable(path))
         return "it is write-protected; change its permissions (chmod u+w), or give another name";
     return NULL;
 }
@@ -158,8 +140,8 @@ static nqm_status open_target(const char *path, nqm_outfile *out_ret, nqm_error 
     memcpy(names, path, n_path);
     if (!in_place)
         out_ret->temporary = names + n_path;
-    int fd = in_place ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : create_temporary(out_ret);
-    out_ret->stream = fd < 0 ? NULL : fdopen(fd, "wb");
+    int fd = in_place ? nqm_os_open(path, NQM_OPEN_EMPTY) : create_temporary(out_ret);
+    out_ret->stream = fd < 0 ? NULL : nqm_os_stream(fd);
     if (out_ret->stream) {
         if (!in_place)
             note_unfinished(out_ret->temporary);
@@ -167,7 +149,7 @@ static nqm_status open_target(const char *path, nqm_outfile *out_ret, nqm_error 
     }
     nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
     if (fd >= 0)
-        close(fd);
+        nqm_os_close(fd);
     else
         out_ret->temporary = NULL; /* no file was created */
     nqm_outfile_abort(out_ret);
@@ -175,14 +157,13 @@ static nqm_status open_target(const char *path, nqm_outfile *out_ret, nqm_error 
 }
 
 nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
-    struct stat st;
     *out_ret = (nqm_outfile){0};
     if (is_special(path))
         return open_target(path, out_ret, err);
     const char *protection = find_protection(path);
     if (protection)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, protection);
-    char *target = lstat(path, &st) == 0 && S_ISLNK(st.st_mode) ? realpath(path, NULL) : NULL;
+    char *target = nqm_os_is_link(path) ? nqm_os_real_path(path) : NULL;
     nqm_status status = nqm_role_output(path, err);
     if (status == NQM_OK)
         status = open_target(target ? target : path, out_ret, err);
@@ -194,7 +175,7 @@ void nqm_outfile_abort(nqm_outfile *out) {
     if (out->stream)
         fclose(out->stream);
     if (out->temporary) {
-        unlink(out->temporary);
+        nqm_os_remove(out->temporary);
         forget_unfinished(out->temporary);
     }
     nqm_free(out->path);
@@ -206,7 +187,7 @@ static nqm_status complete(nqm_outfile *out, nqm_error *err) {
     bool bad = ferror(out->stream) != 0;
     bad = fflush(out->stream) != 0 || bad;
     if (out->temporary)
-        bad = fsync(fileno(out->stream)) != 0 || bad;
+        bad = !nqm_os_sync(out->stream) || bad;
     return bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
 }
 
@@ -252,8 +233,7 @@ nqm_status nqm_outset_commit(nqm_outset *set, nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < set->n; ++i) {
         status = nqm_role_output(set->files[i].path, err);
-        struct stat st;
-        if (status == NQM_OK && stat(set->files[i].path, &st) == 0 && S_ISDIR(st.st_mode))
+        if (status == NQM_OK && nqm_os_is_folder(set->files[i].path))
             status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", set->files[i].path, strerror(EISDIR));
     }
     for (size_t i = 0; status == NQM_OK && i < set->n; ++i)

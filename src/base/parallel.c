@@ -1,21 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Parallel loops, the monotonic clock and the progress ticker.
+ * Parallel loops and the progress ticker.
  */
 #include "base/base.h"
 
 #include <omp.h>
-#include <pthread.h>
-#include <time.h>
-
-static void use_one_thread(void) {
-    omp_set_num_threads(1);
-}
-
-/* The child of fork() has one thread; OpenMP's runtime would wait there for those of the parent. */
-__attribute__((constructor)) static void prepare_for_fork(void) {
-    (void)pthread_atfork(NULL, NULL, use_one_thread);
-}
 
 static void parallel_range(size_t begin, size_t end, void (*body)(void *user, size_t i), void *user) {
 #pragma omp parallel for schedule(dynamic, 1) if (end - begin > 1)
@@ -31,12 +20,6 @@ int nqm_limit_threads(int n_threads) {
     int before = omp_get_max_threads();
     omp_set_num_threads(n_threads);
     return before;
-}
-
-double nqm_clock_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total) {

@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which files a process reads and which it replaces (base.h, "roles of files"): a hash table of device and inode numbers.
+ * Which files a process reads and which it replaces (base.h, "roles of files"): a hash table of their identities.
  */
-#include "base/base.h"
-
-#include <pthread.h>
+#include "base/os.h"
 
 enum { ROLE_INPUT = 1, ROLE_OUTPUT = 2 };
 
 /* A slot is empty while `is_used` is false; a file without roles keeps its slot, so that searches may end at an empty one. */
 typedef struct slot {
-    dev_t device;
-    ino_t inode;
+    uint64_t volume, number;
     bool is_used;
     unsigned char roles;
 } slot;
@@ -23,9 +20,9 @@ static struct {
     size_t n_slots, n_used;
 } table = {.mutex = PTHREAD_MUTEX_INITIALIZER};
 
-static slot *find_slot(slot *slots, size_t n_slots, const struct stat *st) {
-    size_t i = (size_t)nqm_hash_u64(st->st_dev, st->st_ino) & (n_slots - 1);
-    while (slots[i].is_used && (slots[i].inode != st->st_ino || slots[i].device != st->st_dev))
+static slot *find_slot(slot *slots, size_t n_slots, const nqm_file_info *file) {
+    size_t i = (size_t)nqm_hash_u64(file->volume, file->number) & (n_slots - 1);
+    while (slots[i].is_used && (slots[i].number != file->number || slots[i].volume != file->volume))
         i = (i + 1) & (n_slots - 1);
     return &slots[i];
 }
@@ -37,7 +34,7 @@ static bool make_room(void) {
     slot *slots = nqm_alloc(n, sizeof *slots);
     for (size_t i = 0; slots && i < table.n_slots; ++i)
         if (table.slots[i].is_used)
-            *find_slot(slots, n, &(struct stat){.st_dev = table.slots[i].device, .st_ino = table.slots[i].inode}) =
+            *find_slot(slots, n, &(nqm_file_info){.volume = table.slots[i].volume, .number = table.slots[i].number}) =
                 table.slots[i];
     if (!slots)
         return false;
@@ -48,17 +45,17 @@ static bool make_room(void) {
 }
 
 /* Add a role to a regular file, and fail if it has the other one, too. */
-static nqm_status add_role(const struct stat *st, unsigned char role, const char *path, nqm_error *err) {
+static nqm_status add_role(const nqm_file_info *file, unsigned char role, const char *path, nqm_error *err) {
     nqm_status status = NQM_OK;
     unsigned char roles = 0;
     pthread_mutex_lock(&table.mutex);
-    if (table.is_on && S_ISREG(st->st_mode)) {
+    if (table.is_on && file->kind == NQM_FILE_REGULAR) {
         if (make_room()) {
-            slot *s = find_slot(table.slots, table.n_slots, st);
+            slot *s = find_slot(table.slots, table.n_slots, file);
             table.n_used += !s->is_used;
             roles = s->roles | role;
             /* an input stays one, and only that, when an output is refused */
-            *s = (slot){st->st_dev, st->st_ino, true, s->roles == ROLE_INPUT ? ROLE_INPUT : roles};
+            *s = (slot){file->volume, file->number, true, s->roles == ROLE_INPUT ? ROLE_INPUT : roles};
         } else {
             status = nqm_fail_nomem(err, 2 * table.n_slots * sizeof(slot));
         }
@@ -76,18 +73,18 @@ void nqm_roles_enforce(void) {
     pthread_mutex_unlock(&table.mutex);
 }
 
-nqm_status nqm_role_input(const struct stat *st, const char *path, nqm_error *err) {
-    return add_role(st, ROLE_INPUT, path, err);
+nqm_status nqm_role_input(const nqm_file_info *file, const char *path, nqm_error *err) {
+    return add_role(file, ROLE_INPUT, path, err);
 }
 
 nqm_status nqm_role_output(const char *path, nqm_error *err) {
-    struct stat st;
-    return stat(path, &st) == 0 ? add_role(&st, ROLE_OUTPUT, path, err) : NQM_OK;
+    nqm_file_info file;
+    return nqm_os_get_info(path, &file) ? add_role(&file, ROLE_OUTPUT, path, err) : NQM_OK;
 }
 
-void nqm_role_forget(const struct stat *st) {
+void nqm_role_forget(const nqm_file_info *file) {
     pthread_mutex_lock(&table.mutex);
     if (table.n_slots)
-        find_slot(table.slots, table.n_slots, st)->roles = 0;
+        find_slot(table.slots, table.n_slots, file)->roles = 0;
     pthread_mutex_unlock(&table.mutex);
 }

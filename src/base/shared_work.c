@@ -4,19 +4,15 @@
  */
 #include "base/shared_work.h"
 #include "base/memory_test.h"
+#include "base/os.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <pthread.h>
 #include <stdatomic.h>
-#include <sys/file.h>
-#include <time.h>
-#include <unistd.h>
 
 /* ---- claims ------------------------------------------------------------------------------------------------------ */
 
-/* A claim is a lock on a file next to the result: flock(), which also works over NFS, as a lock of the server. The system releases
- * the locks of a process that ends in any way, so no clock or heartbeat is needed. */
+/* A claim is a lock on a file next to the result. The system releases the locks of a process that ends in any way, so no clock or
+ * heartbeat is needed. */
 static char *claim_path(const char *path) {
     return nqm_strdupf("%s.claim", path);
 }
@@ -38,16 +34,16 @@ static void call_lock_hook(void) {
  * deleted or replaced before it was locked, the new one is opened. On file systems without locks it is opened without one. */
 static nqm_status open_locked(const char *path, int *fd_ret, nqm_error *err) {
     for (;;) {
-        const int fd = *fd_ret = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        const int fd = *fd_ret = nqm_os_open(path, NQM_OPEN_CREATE);
         if (fd < 0)
             return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", path, strerror(errno));
         call_lock_hook();
-        const bool is_held = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-        if (!is_held && nqm_is_file_at(fd, path))
+        const nqm_lock lock = nqm_os_lock(fd, path);
+        if (lock == NQM_LOCK_TAKEN || lock == NQM_LOCK_UNSUPPORTED)
             return NQM_OK;
-        close(fd);
+        nqm_os_close(fd);
         *fd_ret = -1;
-        if (is_held)
+        if (lock == NQM_LOCK_HELD)
             return NQM_OK;
     }
 }
@@ -62,20 +58,20 @@ nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {
     return status;
 }
 
-/* Unlink before unlocking: open_locked() takes no lock on a deleted file. */
+/* Remove before unlocking: open_locked() takes no lock on a deleted file. */
 void nqm_claim_release(const char *path, int claim) {
     char *name = claim_path(path);
     if (name)
-        unlink(name);
+        nqm_os_remove(name);
     nqm_free(name);
-    close(claim);
+    nqm_os_close(claim);
 }
 
 /* Remove the claim of a process that was killed between saving the result and releasing its claim. */
 static void remove_abandoned_claim(const char *path) {
     char *name = claim_path(path);
     int claim;
-    if (name && access(name, F_OK) == 0 && nqm_claim(path, &claim, NULL) == NQM_OK && claim >= 0)
+    if (name && nqm_os_exists(name) && nqm_claim(path, &claim, NULL) == NQM_OK && claim >= 0)
         nqm_claim_release(path, claim);
     nqm_free(name);
 }
@@ -176,7 +172,7 @@ nqm_status nqm_shared_work_run(const nqm_shared_work *work, nqm_error *err) {
             work_on(&r, i);
         if (atomic_load(&r.n_done) == work->n || is_stopped(&r))
             break;
-        nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL); /* wait for the other processes */
+        nqm_os_sleep(0.2); /* wait for the other processes */
     }
     pthread_mutex_destroy(&r.mutex);
     nqm_free(r.state);

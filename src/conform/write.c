@@ -6,8 +6,6 @@
 
 #include "math/math.h"
 
-#include <strings.h>
-
 static void write_rows(const nqm_conform_kit *kit, FILE *out) {
     fprintf(out, "set,%s,light_x,light_y,light_z,viewer_x,viewer_y,viewer_z\n", kit->names);
     for (size_t s = 0; s < kit->n_sets; ++s) {
@@ -156,9 +154,9 @@ nqm_status nqm_conform_kit_write(const nqm_conform_kit *kit, const char *format,
     const char *name = format ? format : dot ? dot + 1 : "";
     const language *l = languages;
     nqm_outfile out;
-    while (l < languages + N_LANGUAGES && strcasecmp(name, l->name) != 0)
+    while (l < languages + N_LANGUAGES && !nqm_equal_any_case(name, l->name, SIZE_MAX))
         ++l;
-    if (l == languages + N_LANGUAGES && strcasecmp(name, "csv") != 0)
+    if (l == languages + N_LANGUAGES && !nqm_equal_any_case(name, "csv", SIZE_MAX))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a kit is written as csv, glsl, hlsl or h, not as '%.20s'", path,
                         name);
     nqm_status status = nqm_outfile_open(path, &out, err);

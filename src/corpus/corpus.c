@@ -4,10 +4,10 @@
  * (dataset.c). doc/corpus.md is for users.
  */
 #include "corpus/corpus.h"
+#include "base/os.h"
 #include "encode/encode.h"
 
 #include <string.h>
-#include <sys/stat.h>
 
 const char *const nqm_corpus_encoders[2] = {"sparse", "hyper"};
 
@@ -143,8 +143,7 @@ static void free_corpus(nqm_corpus *c) {
 /* ---- entry ------------------------------------------------------------------------------------------------------- */
 
 static nqm_status ensure_folder(const char *folder, nqm_error *err) {
-    struct stat st;
-    if (!folder || mkdir(folder, 0777) == 0 || (stat(folder, &st) == 0 && S_ISDIR(st.st_mode)))
+    if (!folder || nqm_os_make_folder(folder) || nqm_os_is_folder(folder))
         return NQM_OK;
     return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot create this folder for finished work", folder);
 }

@@ -4,10 +4,10 @@
  * rows come first, so that no large one is left at the end. The result does not depend on which thread or process makes a
  * unit.
  */
+#include "base/os.h"
 #include "base/shared_work.h"
 #include "corpus/corpus.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
 
 typedef struct run {

@@ -3,11 +3,11 @@
  * BRDFs as a corpus uses them: opened, sampled and rendered. A reference is made once in a process, because it also serves as
  * another material in the tests of other references; a fit is made once for all tests of a unit of work that contain it.
  */
+#include "base/os.h"
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
 #include "fit/fit.h"
 
-#include <pthread.h>
 #include <string.h>
 
 nqm_status nqm_corpus_view_alloc(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err) {

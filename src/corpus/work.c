@@ -5,6 +5,7 @@
  * runs with different options never share a file.
  */
 #include "argument/argument.h"
+#include "base/os.h"
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
 #include "fit/fit.h"
@@ -13,7 +14,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- checksums of the files that a list of pairs names ----------------------------------------------------------- */
 
@@ -183,7 +183,7 @@ static char *progress_path(const nqm_corpus_unit *unit) {
 static void remove_progress(const nqm_corpus_unit *unit) {
     char *path = progress_path(unit);
     if (path)
-        unlink(path);
+        nqm_os_remove(path);
     nqm_free(path);
 }
 
@@ -281,7 +281,7 @@ static size_t load_at(const char *path, size_t n_directions, nqm_corpus_unit *un
     nqm_tensor tensors[N_TENSORS];
     nqm_map map;
     nqm_safetensors *st;
-    if (access(path, R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
+    if (nqm_map_open_own(path, &map, NULL) != NQM_OK)
         return 0;
     if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) != NQM_OK) {
         nqm_map_close(&map);

@@ -6,13 +6,13 @@
  * ("brass_12"): rows whose names differ only in that number belong to one group. A reference that is stored once per
  * material (ROOT/ref/brass.mat) is also accepted.
  */
+#include "base/os.h"
 #include "data/data.h"
 #include "io/io.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { MAX_DIRECTIONS = 100000, MAX_PATH_BYTES = 4096 };
 
@@ -56,10 +56,9 @@ static nqm_status find_file(const reader *r, const char *folder, const char *nam
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: a material's name must not contain '/': '%.100s'", r->csv_path,
                         name);
     const size_t lengths[2] = {strlen(name), n_material};
-    struct stat st;
     for (int i = 0; i < 2; ++i) {
         int n = snprintf(path, MAX_PATH_BYTES, "%s/%s/%.*s.mat", r->root, folder, (int)lengths[i], name);
-        if (n > 0 && n < MAX_PATH_BYTES && stat(path, &st) == 0)
+        if (n > 0 && n < MAX_PATH_BYTES && nqm_os_exists(path))
             return NQM_OK;
     }
     return nqm_fail(err, NQM_ERR_IO, -1, "%s/%s: neither %.100s.mat nor %.*s.mat is there (row '%.100s' of %s)",

@@ -6,7 +6,6 @@
 #include "io/io.h"
 
 #include <string.h>
-#include <strings.h>
 
 /* One block; the arrays follow the struct. */
 struct nqm_csv {
@@ -221,7 +220,7 @@ const char *nqm_csv_header(const nqm_csv *csv, int column) {
 
 int nqm_csv_column(const nqm_csv *csv, const char *column_name) {
     for (size_t column = 0; column < csv->n_columns; ++column)
-        if (strcasecmp(csv->text + csv->field[column], column_name) == 0)
+        if (nqm_equal_any_case(csv->text + csv->field[column], column_name, SIZE_MAX))
             return (int)column;
     return -1;
 }

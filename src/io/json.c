@@ -4,8 +4,8 @@
  * consists of empty arrays. When an allocation fails it leaves out a character or a value, or fails without a reason.
  */
 #include "io/json.h"
+#include "base/os.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 

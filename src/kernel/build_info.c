@@ -2,9 +2,9 @@
  *
  * One line about this build: versions of its libraries and of OpenMP, and the best kernels that this processor can run.
  */
+#include "base/os.h"
 #include "kernel/kernel.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <zip.h>
 

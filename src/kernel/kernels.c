@@ -2,10 +2,10 @@
  *
  * The choice of kernels: the table with the widest instructions that the processor has, unless the caller chose another.
  */
+#include "base/os.h"
 #include "kernel/kernel.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 

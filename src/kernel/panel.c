@@ -5,11 +5,10 @@
  * scheduled dynamically: on a busy machine no thread waits for another.
  */
 #include "kernel/panel.h"
+#include "base/os.h"
 
 #include <omp.h>
-#include <pthread.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
@@ -22,14 +21,10 @@ enum {
     STRIPS_AT_ONCE = 12
 };
 
-/* Bytes of this processor's L2 cache; 0: not known. */
 static size_t l2_bytes;
 
 static void find_l2(void) {
-#ifdef _SC_LEVEL2_CACHE_SIZE
-    const long n = sysconf(_SC_LEVEL2_CACHE_SIZE);
-    l2_bytes = n > 0 ? (size_t)n : 0;
-#endif
+    l2_bytes = nqm_os_l2_bytes();
 }
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */

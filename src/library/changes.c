@@ -2,6 +2,7 @@
  *
  * Which properties and maps changed between two materials: values, and what maps compute as text, "col.png [8 0 0; 0 8 0]".
  */
+#include "base/os.h"
 #include "library/library.h"
 
 #include <ctype.h>
@@ -109,11 +110,10 @@ static void put_node(const nqm_textured *t, uint16_t at, bool by_content, FILE *
 static char *map_text(comparison *c, const look *of, uint16_t node, bool by_content) {
     char *text = NULL, *copy;
     size_t n;
-    FILE *to = open_memstream(&text, &n);
+    FILE *to = nqm_os_memory_stream(&text, &n);
     if (to)
         put_node(of->maps, node, by_content, to);
-    const bool is_complete = to && !ferror(to), is_closed = to && fclose(to) == 0;
-    copy = is_complete && is_closed ? nqm_strdup(text) : NULL;
+    copy = to && nqm_os_close_memory(to, &text, &n) ? nqm_strdup(text) : NULL;
     c->is_short = c->is_short || !copy;
     free(text);
     return copy;

@@ -3,6 +3,7 @@
  * The file that keeps members and pictures of a library: tensors with the arguments and keys of the members with values, each with a
  * NUL, the key after a 't' if the member is textured; their pictures; and the files of the maps of textured members, each with a NUL.
  */
+#include "base/os.h"
 #include "brdf/brdf.h"
 #include "library/library.h"
 #include "model/model.h"
@@ -20,12 +21,10 @@ static nqm_status hash_files(const nqm_library_files *files, const char *bytes, 
         return nqm_fail_nomem(err, n);
     nqm_sha256_add(&sha, bytes, n);
     for (size_t i = 0; i < files->n; ++i) {
-        struct stat st = {0};
-        (void)!stat(files->paths[i], &st);
+        nqm_file_info file = {.n_bytes = 0};
+        (void)nqm_os_get_info(files->paths[i], &file);
         nqm_sha256_add(&sha, files->paths[i], strlen(files->paths[i]) + 1);
-        nqm_sha256_add_values(
-            &sha, 3, sizeof(int64_t),
-            (int64_t[]){(int64_t)st.st_size, (int64_t)st.st_mtim.tv_sec, (int64_t)st.st_mtim.tv_nsec});
+        nqm_sha256_add_values(&sha, 3, sizeof(int64_t), (int64_t[]){file.n_bytes, file.changed_s, file.changed_ns});
     }
     nqm_sha256_end(&sha, hash);
     return NQM_OK;
@@ -91,8 +90,8 @@ static bool take_index(nqm_library *of, const nqm_safetensors *st) {
 nqm_status nqm_library_read_index(nqm_library *of, nqm_error *err) {
     struct nqm_library_state *s = of->state;
     nqm_safetensors *st = NULL;
-    struct stat about;
-    if (stat(s->index_path, &about) != 0 || !S_ISREG(about.st_mode) ||
+    nqm_file_info file;
+    if (!nqm_os_get_info(s->index_path, &file) || file.kind != NQM_FILE_REGULAR ||
         nqm_map_open_own(s->index_path, &s->index, NULL) != NQM_OK)
         return NQM_OK;
     const bool is_read = nqm_safetensors_parse(s->index.data, s->index.n_bytes, s->index_path, &st, NULL) == NQM_OK;
@@ -127,7 +126,7 @@ static nqm_status put_maps(const char *argument, FILE *to, nqm_error *err) {
 
 /* The texts of the first and third tensor; free() both. */
 static nqm_status make_texts(const nqm_library *of, char *texts[2], size_t n_texts[2], nqm_error *err) {
-    FILE *names = open_memstream(&texts[0], &n_texts[0]), *maps = open_memstream(&texts[1], &n_texts[1]);
+    FILE *names = nqm_os_memory_stream(&texts[0], &n_texts[0]), *maps = nqm_os_memory_stream(&texts[1], &n_texts[1]);
     nqm_status status = names && maps ? NQM_OK : nqm_fail_nomem(err, 1);
     if (maps)
         fputc(0, maps); /* a tensor has elements */
@@ -137,9 +136,9 @@ static nqm_status make_texts(const nqm_library *of, char *texts[2], size_t n_tex
         if (of->members[i].is_textured)
             status = put_maps(of->members[i].argument, maps, err);
     }
-    const bool is_complete = names && maps && !ferror(names) && !ferror(maps);
-    const bool is_closed = (!names || fclose(names) == 0) & (!maps || fclose(maps) == 0);
-    return status == NQM_OK && !(is_complete && is_closed) ? nqm_fail_nomem(err, n_texts[0] + n_texts[1]) : status;
+    const bool has_names = names && nqm_os_close_memory(names, &texts[0], &n_texts[0]);
+    const bool has_maps = maps && nqm_os_close_memory(maps, &texts[1], &n_texts[1]);
+    return status == NQM_OK && !(has_names && has_maps) ? nqm_fail_nomem(err, n_texts[0] + n_texts[1]) : status;
 }
 
 nqm_status nqm_library_write_index(const nqm_library *of, nqm_error *err) {

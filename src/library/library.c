@@ -3,9 +3,9 @@
  * The list of the materials of files and folders.
  */
 #include "library/library.h"
+#include "base/os.h"
 #include "brdf/brdf.h"
 
-#include <fts.h>
 #include <stdlib.h>
 
 nqm_status nqm_library_step(struct nqm_library_state *s, const char *stage, size_t done, size_t total, nqm_error *err) {
@@ -106,27 +106,32 @@ static nqm_status add_file(nqm_library *to, const char *path, const char *key, c
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-static bool is_folder(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
 static int compare_texts(const void *a, const void *b) {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static nqm_status walk(struct nqm_library_state *s, const char *folder, nqm_names *found, nqm_error *err) {
-    char *const roots[] = {(char *)(uintptr_t)folder, NULL};
-    FTS *fts = fts_open(roots, FTS_PHYSICAL | FTS_NOCHDIR, NULL);
-    nqm_status status = fts ? NQM_OK : nqm_fail(err, NQM_ERR_IO, -1, "%s: the folder cannot be read", folder);
-    for (const FTSENT *entry; status == NQM_OK && (entry = fts_read(fts));) {
-        if (entry->fts_info == FTS_F && entry->fts_name[0] != '.')
-            status = nqm_names_add(found, entry->fts_path, strlen(entry->fts_path), err);
-        if (status == NQM_OK)
-            status = nqm_library_step(s, "read", found->n, 0, err);
+/* The files of a folder and of the folders in it. Links are not followed; a folder inside that cannot be read has no files. */
+static nqm_status walk(struct nqm_library_state *s, const char *folder, nqm_names *files, nqm_error *err) {
+    const bool has_slash = folder[strlen(folder) - 1] == '/';
+    nqm_names names = {.n = 0};
+    nqm_status status = nqm_os_list_folder(folder, &names, err);
+    for (size_t i = 0; status == NQM_OK && i < names.n; ++i) {
+        const char *name = nqm_name(&names, i);
+        char *path = nqm_strdupf("%s%s%s", folder, has_slash ? "" : "/", name);
+        nqm_file_info info;
+        if (!path)
+            status = nqm_fail_nomem(err, strlen(folder) + strlen(name));
+        else if (nqm_os_is_link(path) || !nqm_os_get_info(path, &info))
+            status = NQM_OK;
+        else if (info.kind == NQM_FILE_FOLDER)
+            status = walk(s, path, files, err);
+        else if (info.kind == NQM_FILE_REGULAR && *name != '.')
+            status = nqm_names_add(files, path, strlen(path), err);
+        nqm_free(path);
+        if (status == NQM_OK || status == NQM_ERR_IO)
+            status = nqm_library_step(s, "read", files->n, 0, err);
     }
-    if (fts)
-        fts_close(fts);
+    nqm_names_free(&names);
     return status;
 }
 
@@ -136,7 +141,7 @@ static nqm_status list_files(struct nqm_library_state *s, size_t n, const char *
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         const char *path = nqm_argument_rest(where[i]); /* what is ignored is asked for each material */
-        if (is_folder(path))
+        if (nqm_os_is_folder(path))
             status = walk(s, path, &files->text, err);
         else if (strcmp(path, "/dev/null") != 0)
             status = nqm_names_add(&files->text, path, strlen(path), err);
@@ -197,7 +202,7 @@ static nqm_status set_options(nqm_library *library, size_t n, const char *const 
     if (!s->path || (options->index && !s->index_path))
         return nqm_fail_nomem(err, NQM_REMARK_SIZE);
     library->path = s->path;
-    s->is_file = n == 1 && !is_folder(s->path);
+    s->is_file = n == 1 && !nqm_os_is_folder(s->path);
     return NQM_OK;
 }
 

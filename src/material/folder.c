@@ -4,13 +4,12 @@
  * ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder whose maps are found by the names that libraries and
  * exporters give them.
  */
+#include "base/os.h"
 #include "material/materialx.h"
 
 #include "schema/models.h"
 #include <ctype.h>
-#include <dirent.h>
 #include <stdlib.h>
-#include <strings.h>
 
 static const char LIST_PREFIX[] = NQM_MAPS_PREFIX;
 
@@ -47,7 +46,7 @@ typedef enum reading { AS_IS, INVERTED } reading;
 static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from, const char *file, size_t channel,
                           reading how, nqm_error *err) {
     const char *dot = strrchr(file, '.');
-    const bool is_coded = key && key->n == 3 && !(dot && strcasecmp(dot, ".exr") == 0);
+    const bool is_coded = key && key->n == 3 && !(dot && nqm_equal_any_case(dot, ".exr", SIZE_MAX));
     size_t image;
     if (!nqm_graph_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory, or more than %d maps", file, NQM_MAX_MAP_IMAGES);
@@ -127,13 +126,17 @@ static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *
 }
 
 static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
-    char *text = nqm_strdup(list), *rest = text, *entry;
+    char *text = nqm_strdup(list), *entry = text;
     if (!text)
         return nqm_fail_nomem(err, strlen(list));
     nqm_status status = find_list_model(t, list, err);
-    while (status == NQM_OK && (entry = strsep(&rest, ";")))
-        if (*entry)
-            status = add_entry(t, entry, err);
+    while (status == NQM_OK && *(entry += strspn(entry, ";"))) {
+        char *end = entry + strcspn(entry, ";");
+        const bool is_last = !*end;
+        *end = 0;
+        status = add_entry(t, entry, err);
+        entry = end + !is_last;
+    }
     nqm_free(text);
     if (status == NQM_OK && !t->n_images)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s%.100s: names no map (KEY=FILE)", LIST_PREFIX, list);
@@ -204,47 +207,46 @@ static bool is_map_of(const char *file, const struct map_name *map) {
 }
 
 /* is_used: (n) receives whether a file is a map. */
-static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, bool *is_used,
-                            nqm_error *err) {
+static nqm_status add_found(nqm_textured *t, const char *from, const nqm_names *files, bool *is_used, nqm_error *err) {
     nqm_status status = NQM_OK;
     const char *done = ""; /* the key of the last map */
     bool has_metallic = false;
     for (const struct map_name *map = map_names; map < map_names + N_NAMES && status == NQM_OK; ++map) {
         const bool is_specular = strcmp(map->key, "specular_color") == 0;
-        int found = -1;
-        for (int f = 0; f < n && strcmp(done, map->key) != 0 && !(is_specular && has_metallic); ++f) {
-            if (!is_map_of(files[f]->d_name, map))
+        size_t found = files->n; /* none */
+        for (size_t f = 0; f < files->n && strcmp(done, map->key) != 0 && !(is_specular && has_metallic); ++f) {
+            if (!is_map_of(nqm_name(files, f), map))
                 continue;
-            if (found >= 0)
+            if (found < files->n)
                 return nqm_fail(err, NQM_ERR_ARG, -1, "%s: two maps of %s: %.80s and %.80s; say which: %s%s=%.80s;...",
-                                from, map->key, files[found]->d_name, files[f]->d_name, LIST_PREFIX, map->key,
-                                files[f]->d_name);
+                                from, map->key, nqm_name(files, found), nqm_name(files, f), LIST_PREFIX, map->key,
+                                nqm_name(files, f));
             found = f;
         }
-        if (found < 0)
+        if (found == files->n)
             continue;
         done = map->key;
         is_used[found] = true;
         has_metallic |= strcmp(map->key, "metallic") == 0;
         if (is_specular) /* the colour of the reflection at normal incidence: of an infinite index of refraction */
             nqm_values_set(&t->values, "ior", 1, &(double){1e7});
-        status = add_map(t, find_key(t, map->key), from, files[found]->d_name, map->channel, map->how, err);
+        status = add_map(t, find_key(t, map->key), from, nqm_name(files, found), map->channel, map->how, err);
     }
     return status;
 }
 
 /* Name the pictures that are no map; those for which there is no room are counted. */
-static void add_unused(nqm_textured *t, struct dirent **files, int n, const bool *is_used) {
+static void add_unused(nqm_textured *t, const nqm_names *files, const bool *is_used) {
     enum { ROOM = NQM_REMARK_SIZE - 100 };
     char text[NQM_REMARK_SIZE] = "", name[300];
     size_t used = 0, n_more = 0;
-    for (int f = 0; f < n; ++f) {
-        if (is_used[f] || !simplify(files[f]->d_name, name, sizeof name))
+    for (size_t f = 0; f < files->n; ++f) {
+        if (is_used[f] || !simplify(nqm_name(files, f), name, sizeof name))
             continue;
-        if (used + strlen(files[f]->d_name) + 12 > ROOM)
+        if (used + strlen(nqm_name(files, f)) + 12 > ROOM)
             ++n_more;
         else
-            used += (size_t)snprintf(text + used, ROOM - used, "%s%s", used ? ", " : "not used: ", files[f]->d_name);
+            used += (size_t)snprintf(text + used, ROOM - used, "%s%s", used ? ", " : "not used: ", nqm_name(files, f));
     }
     if (n_more)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu more", used ? " and " : "not used: ", n_more);
@@ -252,13 +254,13 @@ static void add_unused(nqm_textured *t, struct dirent **files, int n, const bool
         nqm_textured_remark(t, text);
 }
 
-static nqm_status read_files(nqm_textured *t, const char *path, const char *from, struct dirent **files, int n,
+static nqm_status read_files(nqm_textured *t, const char *path, const char *from, const nqm_names *files,
                              nqm_error *err) {
-    bool *is_used = nqm_alloc((size_t)n, sizeof *is_used);
+    bool *is_used = nqm_alloc(files->n, sizeof *is_used);
     if (!is_used)
-        return nqm_fail_nomem(err, (size_t)n * sizeof *is_used);
-    nqm_status status = add_found(t, from, files, n, is_used, err);
-    add_unused(t, files, n, is_used);
+        return nqm_fail_nomem(err, files->n * sizeof *is_used);
+    nqm_status status = add_found(t, from, files, is_used, err);
+    add_unused(t, files, is_used);
     nqm_free(is_used);
     if (status == NQM_OK && !t->n_images)
         status = nqm_fail(err, NQM_ERR_IO, -1,
@@ -269,34 +271,34 @@ static nqm_status read_files(nqm_textured *t, const char *path, const char *from
 }
 
 static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err) {
-    struct dirent **files;
+    nqm_names files = {.n = 0};
     char from[4096];
     t->values = nqm_values_of(&nqm_gltf_schema);
-    const int n =
-        snprintf(from, sizeof from, "%s/", path) < (int)sizeof from ? scandir(path, &files, NULL, alphasort) : -1;
-    if (n < 0)
+    if (snprintf(from, sizeof from, "%s/", path) >= (int)sizeof from)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: the folder cannot be read", path);
-    const nqm_status status = read_files(t, path, from, files, n, err);
-    for (int i = 0; i < n; ++i)
-        free(files[i]);
-    free(files);
+    nqm_status status = nqm_os_list_folder(path, &files, err);
+    if (status == NQM_OK)
+        status = read_files(t, path, from, &files, err);
+    nqm_names_free(&files);
     return status;
 }
 
-static int is_network(const struct dirent *file) {
+static bool is_network(const char *file) {
     static const char name[] = "fc1.npy";
-    const size_t n = strlen(file->d_name), n_name = strlen(name);
-    return n >= n_name && strcmp(file->d_name + n - n_name, name) == 0;
+    const size_t n = strlen(file), n_name = strlen(name);
+    return n >= n_name && strcmp(file + n - n_name, name) == 0;
 }
 
 size_t nqm_networks_in_folder(const char *path, char **first_ret) {
-    struct dirent **files = NULL;
-    const int n = scandir(path, &files, is_network, alphasort);
-    *first_ret = n > 0 ? nqm_strdupf("%s/%s", path, files[0]->d_name) : NULL;
-    for (int i = 0; i < n; ++i)
-        free(files[i]);
-    free(files);
-    return n > 0 ? (size_t)n : 0;
+    nqm_names files = {.n = 0};
+    size_t n = 0;
+    *first_ret = NULL;
+    const nqm_status status = nqm_os_list_folder(path, &files, NULL);
+    for (size_t i = 0; status == NQM_OK && i < files.n; ++i)
+        if (is_network(nqm_name(&files, i)) && n++ == 0)
+            *first_ret = nqm_strdupf("%s/%s", path, nqm_name(&files, i));
+    nqm_names_free(&files);
+    return status == NQM_ERR_NOMEM ? 1 : n;
 }
 
 nqm_status nqm_maps_open(const char *argument, nqm_textured **textured_ret, nqm_error *err) {

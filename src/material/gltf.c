@@ -9,7 +9,6 @@
 
 #include "schema/models.h"
 #include <limits.h>
-#include <strings.h>
 
 static const char SURFACE[] = "glTF metallic-roughness";
 static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
@@ -20,8 +19,9 @@ static const char of_textures[] =
 
 static bool has_word(const char *name, size_t n, const char *const *words) {
     bool has = false;
-    for (size_t i = 0; i < n; ++i)
-        has = has || strcasestr(name, words[i]);
+    for (; *name; ++name)
+        for (size_t i = 0; i < n; ++i)
+            has = has || nqm_equal_any_case(name, words[i], strlen(words[i]));
     return has;
 }
 
@@ -407,7 +407,7 @@ static bool gltf_probe(const nqm_map *map) {
     while (i < n && memchr(" \t\r\n", map->data[i], 4))
         ++i;
     return i < n && map->data[i] == '{' &&
-           ((dot && strcasecmp(dot, ".gltf") == 0) || nqm_material_probe_text(map, n, "\"asset\"") ||
+           ((dot && nqm_equal_any_case(dot, ".gltf", SIZE_MAX)) || nqm_material_probe_text(map, n, "\"asset\"") ||
             nqm_material_probe_text(map, n, "\"pbrMetallicRoughness\""));
 }
 

@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include <strings.h>
 
 enum { TEXTURES, SAMPLERS, IMAGES, VIEWS, BUFFERS };
 static const char *const array_names[NQM_GLTF_N_ARRAYS] = {"textures", "samplers", "images", "bufferViews", "buffers"};
@@ -71,7 +70,7 @@ static const json_t *element_of(nqm_gltf_document *d, const json_t *object, cons
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static bool is_data(const char *uri) {
-    return strncasecmp(uri, "data:", 5) == 0;
+    return nqm_equal_any_case(uri, "data:", 5);
 }
 
 /* A base64 digit, or -1. */
@@ -85,7 +84,7 @@ static int digit_of(char c) {
 static bool decode_data(nqm_gltf_document *d, const char *uri, size_t at, size_t n_bytes, nqm_map_image *image) {
     const char *comma = strchr(uri, ','), *code = comma ? comma + 1 : "";
     size_t n_code = strlen(code);
-    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0)
+    if (!comma || comma - uri < 7 || !nqm_equal_any_case(comma - 7, ";base64", 7))
         return fail(d, "a data: URI that is not base64 is not read");
     while (n_code && code[n_code - 1] == '=')
         --n_code;

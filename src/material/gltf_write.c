@@ -2,10 +2,10 @@
  *
  * Writing of a material as glTF 2.0: JSON, also in a binary container, with those extensions whose values differ from the defaults.
  */
+#include "base/os.h"
 #include "material/gltf.h"
 
 #include <stdlib.h>
-#include <strings.h>
 
 /* The values of a property: those of the material, or the default of the specification. */
 static void get_values(const nqm_values *values, const nqm_rule *p, double v[3]) {
@@ -136,17 +136,14 @@ static nqm_status write_container(FILE *stream, size_t n, const nqm_written_mate
     unsigned char header[NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER];
     char *text = NULL;
     size_t n_text = 0;
-    FILE *document = open_memstream(&text, &n_text);
+    FILE *document = nqm_os_memory_stream(&text, &n_text);
     if (!document)
         return nqm_fail_nomem(err, sizeof header);
     write_document(document, n, materials);
     while (ftell(document) % 4)
         fputc(' ', document);
-    const bool is_complete = !ferror(document);
-    if (fclose(document) != 0 || !is_complete) {
-        free(text);
-        return nqm_fail_nomem(err, n_text);
-    }
+    if (!nqm_os_close_memory(document, &text, &n_text))
+        return nqm_fail_nomem(err, sizeof header);
     const uint32_t words[] = {NQM_GLTF_GLB_MAGIC, 2, (uint32_t)(sizeof header + n_text), (uint32_t)n_text,
                               NQM_GLTF_JSON_CHUNK};
     nqm_write_values(stream, sizeof words / sizeof *words, sizeof *words, words);
@@ -158,7 +155,7 @@ static nqm_status write_container(FILE *stream, size_t n, const nqm_written_mate
 nqm_status nqm_gltf_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                           nqm_error *err) {
     const char *dot = strrchr(path, '.');
-    if (dot && strcasecmp(dot, ".glb") == 0)
+    if (dot && nqm_equal_any_case(dot, ".glb", SIZE_MAX))
         return write_container(stream, n, materials, err);
     write_document(stream, n, materials);
     return NQM_OK;

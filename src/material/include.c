@@ -3,9 +3,8 @@
  * Files that a scene includes. Those in the folder of the scene that are there are read; others are named in the remarks of its
  * materials.
  */
+#include "base/os.h"
 #include "material/bsdf.h"
-
-#include <unistd.h>
 
 enum { MAX_DEPTH = 16, MAX_FILES = 10000, MAX_BYTES = 256 << 20 };
 
@@ -26,7 +25,7 @@ nqm_status nqm_include_open(nqm_includes *in, const char *from, const char *name
     char *path = nqm_path_beside(from, name);
     *path_ret = NULL;
     *map = (nqm_map){0};
-    if (path && access(path, F_OK) != 0) {
+    if (path && !nqm_os_exists(path)) {
         nqm_free(path);
         path = nqm_path_beside(in->root, name);
     }

@@ -7,7 +7,6 @@
 
 #include <ctype.h>
 #include <stdlib.h>
-#include <strings.h>
 
 struct nqm_materials {
     const char *path;                          /* while the file is read, for messages */
@@ -255,7 +254,12 @@ nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, n
 }
 
 bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *word) {
-    return memmem(map->data, n_bytes, word, strlen(word)) != NULL;
+    const size_t n = strlen(word);
+    const unsigned char *at = map->data, *end = at + n_bytes;
+    for (; at && (size_t)(end - at) >= n; at = memchr(at + 1, *word, (size_t)(end - at) - 1))
+        if (memcmp(at, word, n) == 0)
+            return true;
+    return false;
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -265,7 +269,7 @@ size_t nqm_find_word(const char *words, const char *word, bool any_case) {
     size_t number = 0;
     for (const char *at = words; *at; at += strspn(at, " "), ++number) {
         const size_t n_at = strcspn(at, " ");
-        if (n_at == n && (any_case ? strncasecmp(at, word, n) : strncmp(at, word, n)) == 0)
+        if (n_at == n && (any_case ? nqm_equal_any_case(at, word, n) : strncmp(at, word, n) == 0))
             return number;
         at += n_at;
     }

@@ -5,6 +5,7 @@
  * coordinates may be computed by any nodes, as long as the result is affine: it becomes part of the image. A node that
  * is not in the table refuses the material.
  */
+#include "base/os.h"
 #include "io/xml.h"
 #include "material/materialx.h"
 
@@ -300,10 +301,9 @@ static const char *find_file(const graph *g, const char *name) {
     const char *at = name;
     bool is_there = false;
     for (int up = 0; up <= MAX_UP && !is_there && (up == 0 || strncmp(at, "../", 3) == 0); ++up) {
-        struct stat about;
         at += up ? 3 : 0;
         char *path = nqm_path_beside(g->path, at);
-        is_there = !path || stat(path, &about) == 0;
+        is_there = !path || nqm_os_exists(path);
         nqm_free(path);
     }
     return is_there ? at : name;

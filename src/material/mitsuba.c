@@ -8,7 +8,6 @@
 #include "schema/models.h"
 
 #include <math.h>
-#include <strings.h>
 
 enum { MAX_BLENDS = 3 }; /* specs can have no more (doc/brdf.md) */
 
@@ -172,7 +171,7 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
     if (!node || node->kind != NQM_BSDF_STRING)
         return nqm_bsdf_numbers(r, name, 1, v);
     for (size_t i = 0; i < sizeof named / sizeof *named; ++i)
-        if (strcasecmp(node->value, named[i].name) == 0) {
+        if (nqm_equal_any_case(node->value, named[i].name, SIZE_MAX)) {
             *v = named[i].ior;
             return true;
         }
@@ -539,7 +538,7 @@ static void write_property(FILE *stream, bool is_json, const nqm_values *values,
 nqm_status nqm_mitsuba_write(size_t n, const nqm_written_material *materials, const char *path, FILE *stream,
                              nqm_error *err) {
     const char *dot = strrchr(path, '.');
-    const bool is_json = dot && strcasecmp(dot, ".json") == 0;
+    const bool is_json = dot && nqm_equal_any_case(dot, ".json", SIZE_MAX);
     fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
     (void)err;
     for (size_t i = 0; i < n; ++i) {

@@ -4,10 +4,10 @@
  * wrong type or shape, a value that is not finite or a wrong checksum is an error; for a tensor the message gives its
  * name.
  */
+#include "base/os.h"
 #include "model/model_file.h"
 
 #include <string.h>
-#include <unistd.h>
 
 enum { CACHE_LINE = 64 };
 
@@ -381,7 +381,7 @@ nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_e
     nqm_map map = {0};
     if (is_builtin(path))
         return nqm_model_builtin(path, model_ret, err);
-    if (!strpbrk(path, "/.") && access(path, F_OK) != 0)
+    if (!strpbrk(path, "/.") && !nqm_os_exists(path))
         return fail_builtin(path, NQM_ERR_IO, "No such file or directory, and ", err);
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK)

@@ -2,10 +2,10 @@
  *
  * Predictions of a model: its network, packed at the first use, and the conversion of the network's output to JOD.
  */
+#include "base/os.h"
 #include "model/model.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 

@@ -2,11 +2,11 @@
  *
  * The forward pass: all threads work on a layer of all rows, whose product is cut into blocks of rows and panels.
  */
+#include "base/os.h"
 #include "net/inference.h"
 #include "net/inference_state.h"
 
 #include <omp.h>
-#include <pthread.h>
 #include <string.h>
 
 enum {

@@ -9,7 +9,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 enum { VALUE_IS_JSON = 1 << 16, MIN_JSON_ROW = 27 }; /* bytes of a line with two names of one character */
 
@@ -63,9 +62,9 @@ bool nqm_pairs_get_cell(const nqm_pairs *pairs, size_t row, size_t i, nqm_pairs_
     if (!read_cell(s->of, pairs->rows[row], i, cell))
         return false;
     const char *name = pairs->columns[cell->column];
-    if (s->is_made[row] && strcasecmp(name, "reference") == 0)
+    if (s->is_made[row] && nqm_equal_any_case(name, "reference", SIZE_MAX))
         cell->text = pairs->pairs[row].ref;
-    else if (s->is_made[row] && strcasecmp(name, "test") == 0)
+    else if (s->is_made[row] && nqm_equal_any_case(name, "test", SIZE_MAX))
         cell->text = pairs->pairs[row].test;
     return true;
 }

@@ -4,11 +4,11 @@
  * the PQ curve of SMPTE ST 2084. BT.709 input is converted to BT.2020 primaries with the matrix of ITU-R BT.2087. All
  * matrices have the values printed in the recommendations; their row sums make T = P = 0 for greys.
  */
+#include "base/os.h"
 #include "math/math.h"
 #include "percept/percept.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdint.h>
 #include <string.h>
 

@@ -2,10 +2,10 @@
  *
  * Few points of the pictures of scenes: what a display shows of their light, the label of two pictures, and its gradient.
  */
+#include "base/os.h"
 #include "percept/percept.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdint.h>
 #include <string.h>
 

@@ -4,11 +4,11 @@
  * threads trace the rays. The SSE2 kernels are selected because they use no fused operations, so that a scene is identical
  * on every processor; creating a scene becomes a few percent slower.
  */
+#include "base/os.h"
 #include "render/render.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <pthread.h>
 #include <string.h>
 
 #define EMBREE_FUNCTIONS(X)                                                                                            \

@@ -2,12 +2,12 @@
  *
  * Direction sets: construction from angles, identity (a hash), CSV files. directions_create.c generates new sets.
  */
+#include "base/os.h"
 #include "io/io.h"
 #include "math/math.h"
 #include "sample/sample.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <string.h>
 
 enum { MAX_DIRECTIONS = 100000 };

@@ -4,6 +4,7 @@
  * dataset, the options and the report, so that it cannot differ from them. Text added by a person follows the generated
  * part.
  */
+#include "base/os.h"
 #include "train/train.h"
 
 #include <math.h>
@@ -108,7 +109,7 @@ char *nqm_model_card(const nqm_dataset *d, const nqm_train_options *o, const nqm
                      const struct nqm_model *m) {
     char *text = NULL, *card = NULL;
     size_t n_bytes = 0;
-    FILE *out = open_memstream(&text, &n_bytes);
+    FILE *out = nqm_os_memory_stream(&text, &n_bytes);
     if (!out)
         return NULL;
     fprintf(out, "# Model `%s`\n\n", m->id);
@@ -118,9 +119,7 @@ char *nqm_model_card(const nqm_dataset *d, const nqm_train_options *o, const nqm
     write_limits(out, o, d);
     if (o->card)
         fprintf(out, "\n%s", o->card);
-    bool bad = ferror(out) != 0;
-    bad = fclose(out) != 0 || bad;
-    if (!bad)
+    if (nqm_os_close_memory(out, &text, &n_bytes))
         card = nqm_strdup(text);
     free(text);
     return card;

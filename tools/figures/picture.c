@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 enum { MAX_SUPERSAMPLE = 16 };
 

@@ -53,7 +53,7 @@ static void call_for(const nqm_option *o, char letter, const void *target, help_
     fprintf(out, "%s%s", o->help, is_on ? " [default]" : "");
     if (!is_flag)
         put_values(out, o, target);
-    fclose(out);
+    close_text(out, &text, &n);
     fn(user, &(help_row){letter, name, is_flag ? NULL : o->metavar, o->help, text, is_flag ? NULL : o->words});
     free(text);
     if (!has_off)

@@ -33,7 +33,7 @@ static void add_option(void *list, const help_row *row) {
     for (size_t i = 0; values && values[i]; ++i)
         if (*values[i])
             fprintf(out, "%s%s", i ? " " : "", values[i]);
-    fclose(out);
+    close_text(out, &words, &n);
     json_array_append_new(list, json_row("letter:t name:s metavar:s help:s text:s words:t", letter, row->name,
                                          row->metavar, row->help, row->text, words));
     free(words);

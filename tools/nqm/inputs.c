@@ -2,6 +2,7 @@
  *
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
+#include "base/os.h"
 #include "brdf/formats/listed.h"
 #include "fit/fit.h"
 #include "material/material.h"
@@ -13,8 +14,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 bool is_builtin(const char *name) {
     for (size_t i = 0; nqm_model_builtin_name(i); ++i)
@@ -25,7 +24,7 @@ bool is_builtin(const char *name) {
 
 /* A word that names no file. */
 static bool is_word(const char *argument) {
-    return !strpbrk(argument, "/.") && access(argument, F_OK) != 0;
+    return !strpbrk(argument, "/.") && !nqm_os_exists(argument);
 }
 
 static bool is_spec(const char *name) {
@@ -77,7 +76,11 @@ void *must_have(void *block) {
 }
 
 FILE *open_text(char **text, size_t *n) {
-    return must_have(open_memstream(text, n));
+    return must_have(nqm_os_memory_stream(text, n));
+}
+
+void close_text(FILE *stream, char **text, size_t *n) {
+    must_have(nqm_os_close_memory(stream, text, n) ? *text : NULL);
 }
 
 char *join_with_colon(const char *a, const char *b) {
@@ -89,7 +92,7 @@ char *join_with_colon(const char *a, const char *b) {
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    if (!is_builtin(name) && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
+    if (!is_builtin(name) && (is_word(name) || (is_spec(name) && !nqm_os_exists(name))))
         stop_unknown_model(name);
     must(nqm_model_load(name, &model, &fault));
     return model;
@@ -153,10 +156,10 @@ void close_brdfs(int n, nqm_brdf **brdfs) {
 
 char *read_text(const char *path) {
     enum { MAX_TEXT_BYTES = 1 << 20 };
-    struct stat st;
-    FILE *file = fopen(path, "rb");
-    if (file && fstat(fileno(file), &st) == 0)
-        must(nqm_role_input(&st, path, &fault));
+    nqm_file_info info;
+    FILE *file = nqm_os_open_text(path);
+    if (file && nqm_os_get_info(path, &info))
+        must(nqm_role_input(&info, path, &fault));
     char *text = allocate(MAX_TEXT_BYTES + 1, 1);
     size_t n = file ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
     if (!file || ferror(file))
@@ -223,21 +226,16 @@ const char *reflecting(const char *argument) {
     return text;
 }
 
-bool is_folder(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
 static char *list_folder; /* the last result of list_root() */
 
 const char *list_root(const char *root, const char *list_path) {
-    struct stat about;
-    if (root && !is_folder(root))
+    nqm_file_info info;
+    if (root && !nqm_os_is_folder(root))
         stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     if (root)
         return root;
     const char *slash = strrchr(list_path, '/');
-    if (strncmp(list_path, "/dev/", 5) == 0 || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
+    if (nqm_os_is_device(list_path) || !slash || !nqm_os_get_info(list_path, &info) || info.kind != NQM_FILE_REGULAR)
         return NULL;
     const size_t n = slash == list_path ? 1 : (size_t)(slash - list_path);
     free(list_folder);
@@ -248,12 +246,12 @@ const char *list_root(const char *root, const char *list_path) {
 
 void enter_list_root(const char *root, const char *list_path) {
     const char *folder = list_root(root, list_path);
-    if (folder && chdir(folder) != 0)
+    if (folder && !nqm_os_enter_folder(folder))
         stop(EXIT_OPEN, "%s: cannot be entered: %s", folder, strerror(errno));
 }
 
 bool looks_like_safetensors(const char *path) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = nqm_os_open_text(path);
     if (!file)
         return false;
     char head[9] = {0};
@@ -296,13 +294,13 @@ void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_direc
 
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {
     nqm_dataset *dataset;
-    const bool folder = is_folder(path);
+    const bool folder = nqm_os_is_folder(path);
     if (folder && !labels)
         stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
     if (!folder && labels)
-        stop(access(path, F_OK) == 0 ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
-             access(path, F_OK) == 0 ? "--labels is for a folder (the authors' layout), not for a dataset file"
-                                     : strerror(errno));
+        stop(nqm_os_exists(path) ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
+             nqm_os_exists(path) ? "--labels is for a folder (the authors' layout), not for a dataset file"
+                                 : strerror(errno));
     must(nqm_dataset_load(path, labels ? input_path(labels) : NULL, split, &dataset, &fault));
     return dataset;
 }

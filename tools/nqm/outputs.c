@@ -2,27 +2,25 @@
  *
  * Files that a verb writes itself: base's atomic output files, with faults reported.
  */
+#include "base/os.h"
 #include "nqm/tool.h"
 
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
 static const char *made_folder;   /* folder that this run made; removed at its end if nothing was written to it */
 
 char *absolute_path(const char *path, const char *suffix) {
     const bool is_complete = *path == '/' || strcmp(path, "-") == 0;
-    char *folder = is_complete ? strdup("") : getcwd(NULL, 0);
-    if (!folder)
+    char *folder = is_complete ? NULL : nqm_os_real_path(".");
+    if (!folder && !is_complete)
         stop(EXIT_OPEN, "the working folder has no path: %s", strerror(errno));
-    const size_t n = strlen(folder) + strlen(path) + strlen(suffix) + 2;
+    const size_t n = (folder ? strlen(folder) : 0) + strlen(path) + strlen(suffix) + 2;
     char *full = allocate(n, 1);
-    snprintf(full, n, "%s%s%s%s", folder, is_complete ? "" : "/", path, suffix);
+    snprintf(full, n, "%s%s%s%s", folder ? folder : "", folder ? "/" : "", path, suffix);
     free(folder);
     return full;
 }
@@ -56,7 +54,7 @@ static bool is_listed(const char *ending, const char *endings) {
     bool fits = false;
     for (const char *at = endings; *at; at += strspn(at, "|")) {
         const size_t n = strcspn(at, "|");
-        fits = fits || (n == strlen(ending) && strncasecmp(at, ending, n) == 0);
+        fits = fits || (n == strlen(ending) && nqm_equal_any_case(at, ending, n));
         at += n;
     }
     return fits;
@@ -68,16 +66,16 @@ void require_folder_name(const char *name, const char *path, const char *endings
     while (n && bare[n - 1] == '/')
         bare[--n] = '\0';
     const char *ending = ending_of(bare);
-    if (*ending && is_listed(ending, endings) && !is_folder(path))
+    if (*ending && is_listed(ending, endings) && !nqm_os_is_folder(path))
         stop(EXIT_USAGE, "%s %s: %s are written to a folder; leave out '%s'", name, path, contents, ending);
     free(bare);
 }
 
 void require_named_output(const char *name, const char *path, const char *endings) {
     const size_t n = strlen(path);
-    if (strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0)
+    if (strcmp(path, "-") == 0 || nqm_os_is_device(path))
         return;
-    if (strstr(endings, "DIR/") && ((n && path[n - 1] == '/') || is_folder(path)))
+    if (strstr(endings, "DIR/") && ((n && path[n - 1] == '/') || nqm_os_is_folder(path)))
         return;
     const char *ending = ending_of(path); /* a single one may be left out; several of them choose the format */
     if (*ending ? !is_listed(ending, endings) : strstr(endings, "|.") != NULL)
@@ -88,11 +86,11 @@ void require_named_output(const char *name, const char *path, const char *ending
 
 /* The path of an output without links, "." and ".."; free() it. NULL: its folder does not exist. */
 static char *real_output(const char *path) {
-    char *real = realpath(path, NULL), *full = real ? NULL : absolute_path(path, "");
+    char *real = nqm_os_real_path(path), *full = real ? NULL : absolute_path(path, "");
     char *slash = full ? strrchr(full, '/') : NULL;
     if (slash)
         *slash = '\0';
-    char *folder = slash ? realpath(*full ? full : "/", NULL) : NULL;
+    char *folder = slash ? nqm_os_real_path(*full ? full : "/") : NULL;
     if (folder) {
         real = allocate(strlen(folder) + strlen(slash + 1) + 2, 1);
         sprintf(real, "%s/%s", folder, slash + 1);
@@ -103,7 +101,7 @@ static char *real_output(const char *path) {
 }
 
 bool is_same_output(const char *a, const char *b) {
-    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0 || strncmp(a, "/dev/", 5) == 0)
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0 || nqm_os_is_device(a))
         return false;
     char *x = real_output(a), *y = real_output(b);
     const bool is_same = x && y && strcmp(x, y) == 0;
@@ -124,15 +122,15 @@ void close_output(output_file *out) {
 }
 
 void make_folder(const char *path) {
-    if (mkdir(path, 0777) == 0)
+    if (nqm_os_make_folder(path))
         made_folder = path;
-    else if (!is_folder(path))
+    else if (!nqm_os_is_folder(path))
         stop(EXIT_OPEN, "%s: cannot create the folder: %s", path, strerror(errno));
 }
 
 void remove_empty_folder(void) {
     if (made_folder)
-        (void)rmdir(made_folder);
+        (void)nqm_os_remove_folder(made_folder);
 }
 
 void abandon_outputs(void) {
@@ -143,19 +141,14 @@ void abandon_outputs(void) {
 
 /* ---- "-" as a file name ------------------------------------------------------------------------------------------ */
 
-enum { N_NAME = 32 };
-
 static FILE *input, *output;
-static char input_name[N_NAME], output_name[N_NAME];
+static char input_name[NQM_TEMPORARY_PATH], output_name[NQM_TEMPORARY_PATH];
 
 /* Open the file once; `fallback` when there is no place for temporary files. */
 static const char *path_of(FILE **file, char *name, const char *fallback) {
     if (!*file)
-        *file = tmpfile();
-    if (!*file)
-        return fallback;
-    snprintf(name, N_NAME, "/dev/fd/%d", fileno(*file));
-    return name;
+        *file = nqm_os_temporary(name);
+    return *file ? name : fallback;
 }
 
 static bool copy(FILE *from, FILE *to) {
@@ -169,9 +162,10 @@ static bool copy(FILE *from, FILE *to) {
 
 /* A file with the content of a pipe, which the shell makes of <(COMMAND); another path itself. The file stays until the run ends. */
 static const char *pipe_path(const char *path) {
-    struct stat st;
-    FILE *file = NULL, *from = path && stat(path, &st) == 0 && S_ISFIFO(st.st_mode) ? fopen(path, "rb") : NULL;
-    char *name = from ? allocate(N_NAME, 1) : NULL;
+    nqm_file_info info;
+    const bool is_pipe = path && nqm_os_get_info(path, &info) && info.kind == NQM_FILE_PIPE;
+    FILE *file = NULL, *from = is_pipe ? nqm_os_open_text(path) : NULL;
+    char *name = from ? allocate(NQM_TEMPORARY_PATH, 1) : NULL;
     const bool is_copied = name && path_of(&file, name, path) == name && copy(from, file);
     if (interrupted())
         stop(EXIT_INTERRUPTED, "interrupted");

@@ -44,7 +44,7 @@ char *join_texts(const json_t *texts) {
     FILE *out = open_text(&joined, &n);
     for (size_t i = 0; i < json_array_size(texts); ++i)
         fprintf(out, "%s%s", i ? "; " : "", json_string_value(json_array_get(texts, i)));
-    fclose(out);
+    close_text(out, &joined, &n);
     return joined;
 }
 
@@ -144,7 +144,7 @@ char *list_columns(const char *first, unsigned groups, const bool *metrics, cons
         else if (c.group == NQM_COLUMN_TEXTURE && groups & COLUMNS_BARE_TEXTURE)
             fprintf(out, ",%s", c.name);
     fputs(last, out);
-    fclose(out);
+    close_text(out, &text, &n);
     return text;
 }
 

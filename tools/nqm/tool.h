@@ -119,8 +119,10 @@ int choose(const char *name, const char *const *words, const char *text);
 void *allocate(size_t n, size_t size);
 /** The same block. */
 void *must_have(void *block);
-/** A stream that writes to memory; free() *text after it is closed. */
+/** A stream that writes to memory. */
 FILE *open_text(char **text, size_t *n);
+/** Close it; free() *text. */
+void close_text(FILE *stream, char **text, size_t *n);
 /** "A:B", or one of them where the other is ""; free() it. */
 char *join_with_colon(const char *a, const char *b);
 /** Open a built-in model by name, or a model file; NULL: "default". */
@@ -147,7 +149,6 @@ void close_brdfs(int n, nqm_brdf **brdfs);
 const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
-bool is_folder(const char *path);
 /** nqm_argument_free() it. */
 struct nqm_argument *parse_argument(const char *text);
 /** Whether both members are materials that nqm refuses for the same property, value and reason. */

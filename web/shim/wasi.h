@@ -6,7 +6,7 @@
 #ifndef NQM_WEB_WASI_H
 #define NQM_WEB_WASI_H
 
-#define _GNU_SOURCE /* memmem */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/types.h>
@@ -26,13 +26,6 @@ static inline char *realpath(const char *path, char *resolved) {
     (void)resolved;
     return strdup(path);
 }
-
-#define RWF_NOWAIT 0
-struct iovec;
-/* Nothing is in a cache: the caller reads by pread(). */
-static inline ssize_t preadv2(int fd, const struct iovec *to, int n, off_t offset, int flags) {
-    (void)fd, (void)to, (void)n, (void)offset, (void)flags;
-    return -1;
-}
+#define tmpfile() ((FILE *)NULL)
 
 #endif

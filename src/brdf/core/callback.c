@@ -3,9 +3,8 @@
  * BRDFs that a callback of the caller evaluates: nqm_brdf_create(). Values pass through the same checks as those of
  * files (brdf.c).
  */
+#include "base/os.h"
 #include "brdf/brdf.h"
-
-#include <pthread.h>
 
 typedef struct callback {
     nqm_brdf_eval_fn eval;

@@ -7,7 +7,6 @@
 
 #include "io/io.h"
 #include <math.h>
-#include <strings.h>
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
@@ -182,7 +181,7 @@ static size_t find_spectrum(layout *l) {
         if (!nqm_parse_double(end, &end, &nm) || !(nm >= 200 && nm <= 3000))
             continue;
         end += strspn(end, " [(_");
-        if (*end && strncasecmp(end, "nm", 2) != 0)
+        if (*end && !nqm_equal_any_case(end, "nm", 2))
             continue;
         l->nm[l->n_values] = (float)nm;
         l->value[l->n_values++] = (int)i;
@@ -290,7 +289,7 @@ static nqm_status read_value(const layout *l, size_t row, float *rgb, nqm_error 
     for (size_t k = 0; k < l->n_values; ++k) {
         const char *text = nqm_csv_text(l->csv, row, l->value[k]);
         is_empty = is_empty && !*text;
-        is_none = is_none || strcasecmp(text, "nan") == 0 || strcasecmp(text, "-nan") == 0;
+        is_none = is_none || nqm_equal_any_case(text, "nan", SIZE_MAX) || nqm_equal_any_case(text, "-nan", SIZE_MAX);
     }
     for (size_t k = 0; k < l->n_values && !is_none && !is_empty; ++k) {
         double value;
@@ -337,7 +336,7 @@ static nqm_status read_rows(const nqm_csv *csv, size_t header, bool is_astm, nqm
 static bool names_angles(const char *line, size_t n) {
     int count = 0;
     for (size_t i = 0; i + 5 <= n; ++i)
-        count += strncasecmp(line + i, "theta", 5) == 0 || memcmp(line + i, "\xce\xb8", 2) == 0;
+        count += nqm_equal_any_case(line + i, "theta", 5) || memcmp(line + i, "\xce\xb8", 2) == 0;
     return count >= 2;
 }
 

@@ -8,7 +8,6 @@
 
 #include "io/io.h"
 #include <math.h>
-#include <strings.h>
 
 static const double degree = NQM_PI / 180;
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -65,8 +64,8 @@ static nqm_status read_number(table *t, double low, double high, double *value, 
 /* One of two words, of which the second may be followed by anything. */
 static nqm_status read_choice(table *t, const char *first, const char *second, bool *is_first, nqm_error *err) {
     next_word(t);
-    *is_first = strcasecmp(t->word, first) == 0;
-    return *is_first || (*second && strncasecmp(t->word, second, strlen(second)) == 0)
+    *is_first = nqm_equal_any_case(t->word, first, SIZE_MAX);
+    return *is_first || (*second && nqm_equal_any_case(t->word, second, strlen(second)))
                ? NQM_OK
                : fail(t, "this kind of table is not read", err);
 }
@@ -114,7 +113,9 @@ static nqm_status read_values(table *t, const double *weights, nqm_error *err) {
         for (size_t c = 0; c < 3; ++c)
             t->rgb[3 * i + c] += (float)(weights[c] * value);
     }
-    return strcasecmp(next_word(t), "DataEnd") == 0 ? NQM_OK : fail(t, "the values do not end here with DataEnd", err);
+    return nqm_equal_any_case(next_word(t), "DataEnd", SIZE_MAX)
+               ? NQM_OK
+               : fail(t, "the values do not end here with DataEnd", err);
 }
 
 static nqm_status read_table(table *t, nqm_error *err) {
@@ -125,23 +126,23 @@ static nqm_status read_table(table *t, nqm_error *err) {
     bool is_mono = true, is_brdf;
     while (status == NQM_OK && *next_word(t)) {
         size_t k = 0, c = 0;
-        while (k < N_AXES && strcasecmp(t->word, axes[k].word) != 0)
+        while (k < N_AXES && !nqm_equal_any_case(t->word, axes[k].word, SIZE_MAX))
             ++k;
-        while (c < 4 && strcasecmp(t->word, channels[c]) != 0)
+        while (c < 4 && !nqm_equal_any_case(t->word, channels[c], SIZE_MAX))
             ++c;
         if (k < N_AXES)
             status = read_axis(t, k, err);
         else if (c < 4)
             channel = c;
-        else if (strcasecmp(t->word, "Source") == 0)
+        else if (nqm_equal_any_case(t->word, "Source", SIZE_MAX))
             nqm_remark_add(t->remark, sizeof t->remark, "Source %s is not used", next_word(t));
-        else if (strcasecmp(t->word, "Symmetry") == 0)
+        else if (nqm_equal_any_case(t->word, "Symmetry", SIZE_MAX))
             status = read_choice(t, "PlaneSymmetrical", "ASymmetrical", &t->is_symmetrical, err);
-        else if (strcasecmp(t->word, "SpectralContent") == 0)
+        else if (nqm_equal_any_case(t->word, "SpectralContent", SIZE_MAX))
             status = read_choice(t, "Monochrome", "XYZ", &is_mono, err);
-        else if (strcasecmp(t->word, "ScatterType") == 0)
+        else if (nqm_equal_any_case(t->word, "ScatterType", SIZE_MAX))
             status = read_choice(t, "BRDF", "", &is_brdf, err);
-        else if (strcasecmp(t->word, "DataBegin") == 0 && channel < 4 && !(t->channels >> channel & 1)) {
+        else if (nqm_equal_any_case(t->word, "DataBegin", SIZE_MAX) && channel < 4 && !(t->channels >> channel & 1)) {
             t->channels |= 1u << channel;
             status = read_values(t, channel < 3 ? nqm_xyz_weights + 3 * channel : grey, err);
         } else

@@ -12,7 +12,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -185,8 +184,8 @@ static float read_field(const nqm_csv *csv, size_t row, int column) {
     const char *text = nqm_csv_text(csv, row, column);
     const char *word = text + (*text == '-' || *text == '+');
     double value;
-    const bool is_nan = strncasecmp(word, "nan", 3) == 0 && (!word[3] || word[3] == '(');
-    if (is_nan || strcasecmp(word, "inf") == 0 || strcasecmp(word, "infinity") == 0)
+    const bool is_nan = nqm_equal_any_case(word, "nan", 3) && (!word[3] || word[3] == '(');
+    if (is_nan || nqm_equal_any_case(word, "inf", SIZE_MAX) || nqm_equal_any_case(word, "infinity", SIZE_MAX))
         return NAN;
     must(nqm_csv_number(csv, row, column, &value, &fault));
     return (float)value;

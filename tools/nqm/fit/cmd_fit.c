@@ -3,6 +3,7 @@
  * nqm fit - encode a BRDF: fit analytic models, train a network, use a learned dictionary or hypernetwork. The result is a
  * spec or a file.
  */
+#include "base/os.h"
 #include "fit/fit.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
@@ -147,7 +148,7 @@ static output prepare_output(const char *path, const fit_request *request) {
     output out = {.path = path};
     const nqm_fit_entry *first;
     size_t n = path ? strlen(path) : 0;
-    out.folder = n > 0 && (request->n_models > 1 || path[n - 1] == '/' || is_folder(path));
+    out.folder = n > 0 && (request->n_models > 1 || path[n - 1] == '/' || nqm_os_is_folder(path));
     must(nqm_fit_entry_find(request->models[0], &first, &fault));
     if (path && request->n_models > 1)
         require_folder_name("-o", path, ".safetensors", "the results of several models");

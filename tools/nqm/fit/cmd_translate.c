@@ -4,6 +4,7 @@
  * written. With --fail-under it is a gate.
  */
 #include "base/options.h"
+#include "base/os.h"
 #include "brdf/brdf.h"
 #include "material/material.h"
 #include "nqm/score/score.h"
@@ -14,8 +15,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { MAX_TEXT = 4096 };
 
@@ -91,10 +90,10 @@ static void short_stem(const char *argument, char *stem, size_t n_stem) {
 
 /* No output of this run replaces it. */
 static void keep_file(void *user, const char *path) {
-    struct stat st;
+    nqm_file_info info;
     (void)user;
-    if (stat(path, &st) == 0)
-        (void)!nqm_role_input(&st, path, NULL);
+    if (nqm_os_get_info(path, &info))
+        (void)!nqm_role_input(&info, path, NULL);
 }
 
 static void name_outputs(translation *t) {

@@ -2,13 +2,13 @@
  *
  * nqm eval - compare models and the scalar metrics with the labels of a dataset. eval_print.c prints the tables.
  */
+#include "base/os.h"
 #include "io/io.h"
 #include "nqm/judge/eval.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8, BY_SUBSET = 16, BY_SOURCE = 32, BY_ALL = 63 };
 static const char *const by_words[] = {"none",   "kind",   "range", "family", "class",
@@ -181,7 +181,7 @@ static void open_human(eval_run *run, const char *root) {
 /* Answers of people are a CSV, too, which needs another option. */
 static void require_dataset(const char *path) {
     nqm_csv *csv = NULL;
-    if (is_folder(path) || looks_like_safetensors(path) || nqm_csv_load(path, &csv, NULL) != NQM_OK)
+    if (nqm_os_is_folder(path) || looks_like_safetensors(path) || nqm_csv_load(path, &csv, NULL) != NQM_OK)
         return;
     if (nqm_csv_column(csv, "reference") >= 0)
         stop(EXIT_MALFORMED, "%s: is no dataset but a CSV with the column reference: answers of people need --human",
@@ -190,7 +190,7 @@ static void require_dataset(const char *path) {
 }
 
 static void refuse_model(const char *path) {
-    if (is_builtin(path) && access(path, F_OK) != 0)
+    if (is_builtin(path) && !nqm_os_exists(path))
         stop(EXIT_OPEN, "'%s' is a model, not a dataset: models belong to --model (nqm eval DATASET --model %s)", path,
              path);
 }

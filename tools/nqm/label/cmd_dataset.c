@@ -8,7 +8,6 @@
 #include "pairs/pairs.h"
 
 #include <string.h>
-#include <strings.h>
 
 /* Report the tests that failed; the dataset is valid without them. */
 static void print_failures(const json_t *manifest) {
@@ -72,10 +71,10 @@ static void set_column(const char *list, size_t row, const char *name, const cha
     } columns[] = {{"name", &pair->name},     {"group", &pair->group}, {"material", &pair->group},
                    {"source", &pair->source}, {"kind", &pair->kind},   {"subset", &pair->kind},
                    {"family", &pair->family}, {"other", &pair->other}};
-    if (strcasecmp(name, "split") == 0 && *text)
+    if (nqm_equal_any_case(name, "split", SIZE_MAX) && *text)
         pair->split = split_of(list, row, text);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; ++i)
-        if (strcasecmp(name, columns[i].name) == 0)
+        if (nqm_equal_any_case(name, columns[i].name, SIZE_MAX))
             *columns[i].text = text;
 }
 

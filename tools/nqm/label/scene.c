@@ -3,11 +3,11 @@
  * The implementation of scene.h.
  */
 #include "nqm/label/scene.h"
+#include "base/os.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { MAX_SIDE = 4096 };
 
@@ -51,7 +51,7 @@ static void check_place(const char *option_name, const char *path, const char *c
         nqm_nearest_add(&nearest, names[i]);
         n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", names[i]);
     }
-    if (path && strcmp(path, "-") != 0 && access(path, F_OK) != 0)
+    if (path && strcmp(path, "-") != 0 && !nqm_os_exists(path))
         stop(EXIT_OPEN, "%s: there is no file '%s'%s; built in are %s", option_name, path, nearest.advice, known);
 }
 

@@ -121,7 +121,7 @@ static char *describe_row(size_t i) {
     }
     if (is_renamed(i))
         fprintf(to, "%swas %s", *words || pairs[i].n_changes ? "; " : "", shown(old_key(i)));
-    fclose(to);
+    close_text(to, &text, &n);
     return text;
 }
 

@@ -5,17 +5,13 @@
  * results as they are in memory; the rows of the output are printed from them, so that they are those of a run without pieces.
  */
 #include "argument/argument.h"
+#include "base/os.h"
 #include "base/shared_work.h"
 #include "io/io.h"
 #include "nqm/score/batch.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 enum { MAX_PIECES = 4096, MAX_PATH = 4096, N_IDENTITY = 32 };
 
@@ -27,12 +23,12 @@ enum { SMALL_FILE = 1 << 16, IDENTITY = 72 };
 
 static json_t *identify(const char *path) {
     char text[IDENTITY] = "";
-    struct stat st;
+    nqm_file_info info;
     nqm_map map;
     nqm_sha256 sha;
-    if (stat(path, &st) != 0) {
+    if (!nqm_os_get_info(path, &info)) {
         strcpy(text, "missing");
-    } else if (nqm_role_input(&st, path, NULL) == NQM_OK && st.st_size <= SMALL_FILE &&
+    } else if (nqm_role_input(&info, path, NULL) == NQM_OK && info.n_bytes <= SMALL_FILE &&
                nqm_map_open(path, &map, NULL) == NQM_OK) {
         if (nqm_sha256_begin(&sha)) {
             nqm_sha256_add(&sha, map.data, map.n_bytes);
@@ -40,8 +36,8 @@ static json_t *identify(const char *path) {
         }
         nqm_map_close(&map);
     } else {
-        snprintf(text, IDENTITY, "%lld bytes, %lld.%09ld s", (long long)st.st_size, (long long)st.st_mtim.tv_sec,
-                 (long)st.st_mtim.tv_nsec);
+        snprintf(text, IDENTITY, "%lld bytes, %lld.%09ld s", (long long)info.n_bytes, (long long)info.changed_s,
+                 (long)info.changed_ns);
     }
     return json_string(text);
 }
@@ -120,7 +116,8 @@ static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {
     do {
         make_folder(p->folder);
         status = nqm_safetensors_write(piece_path(p, piece, path), has_errors ? 3 : 2, tensors, 2, meta, NULL, err);
-    } while (status == NQM_ERR_IO && !is_folder(p->folder)); /* a run with the same output removed it meanwhile */
+    } while (status == NQM_ERR_IO &&
+             !nqm_os_is_folder(p->folder)); /* a run with the same output removed it meanwhile */
     free(files);
     return status;
 }
@@ -152,7 +149,7 @@ static bool open_piece(batch_pieces *p, const char *path, size_t n,
                        bool (*use)(batch_pieces *p, size_t n, const nqm_safetensors *st)) {
     nqm_map map;
     nqm_safetensors *st;
-    if (access(path, R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
+    if (nqm_map_open_own(path, &map, NULL) != NQM_OK)
         return false;
     const bool is_good = nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK;
     const bool is_used = is_good && use(p, n, st);
@@ -219,7 +216,7 @@ int get_batch_piece(batch_pieces *p, size_t piece, size_t *n_ret) {
 void forget_batch_piece(batch_pieces *p, size_t piece) {
     char path[MAX_PATH];
     if (p->folder)
-        unlink(piece_path(p, piece, path));
+        nqm_os_remove(piece_path(p, piece, path));
 }
 
 int show_batch_progress(const batch_pieces *p, size_t n_done, size_t n) {
@@ -245,7 +242,7 @@ static const char *path_of(void *user, size_t piece) {
 /* Only look for the file: the rank that writes the output checks its content. */
 static bool is_finished(void *user, size_t piece) {
     sharing *s = user;
-    const bool found = access(path_of(s, piece), R_OK) == 0;
+    const bool found = nqm_os_exists(path_of(s, piece));
     s->n_done += found;
     return found;
 }
@@ -282,34 +279,37 @@ int share_batch_pieces(batch_pieces *p, ranks r) {
 
 /* ---- the folder -------------------------------------------------------------------------------------------------- */
 
-/* Call `visit` with the names of the files of pieces, or only of those with these terms, files being written included, until
- * it returns true. */
-static bool each_file(batch_pieces *p, bool only_own, bool (*visit)(batch_pieces *p, int folder, const char *name)) {
-    DIR *folder = opendir(p->folder);
+/* Call `visit` with the paths of the files of pieces, or only of those with these terms, files being written included, until
+ * it returns true. A folder that is not there has none. */
+static bool each_file(batch_pieces *p, bool only_own, bool (*visit)(batch_pieces *p, const char *path)) {
+    nqm_names names = {.n = 0};
+    char path[MAX_PATH];
     bool is_ended = false;
-    for (const struct dirent *e; folder && !is_ended && (e = readdir(folder));)
-        is_ended = strspn(e->d_name, "0123456789abcdef") == N_IDENTITY && e->d_name[N_IDENTITY] == '-' &&
-                   strstr(e->d_name, ".safetensors") &&
-                   (!only_own || strncmp(e->d_name, p->identity, N_IDENTITY) == 0) &&
-                   visit(p, dirfd(folder), e->d_name);
-    if (folder)
-        closedir(folder);
+    if (nqm_os_list_folder(p->folder, &names, &fault) == NQM_ERR_NOMEM)
+        stop_error(&fault);
+    for (size_t i = 0; i < names.n && !is_ended; ++i) {
+        const char *name = nqm_name(&names, i);
+        is_ended = strspn(name, "0123456789abcdef") == N_IDENTITY && name[N_IDENTITY] == '-' &&
+                   strstr(name, ".safetensors") && (!only_own || strncmp(name, p->identity, N_IDENTITY) == 0) &&
+                   snprintf(path, MAX_PATH, "%s/%s", p->folder, name) < MAX_PATH && visit(p, path);
+    }
+    nqm_names_free(&names);
     return is_ended;
 }
 
-static bool find_one(batch_pieces *p, int folder, const char *name) {
-    (void)p, (void)folder, (void)name;
+static bool find_one(batch_pieces *p, const char *path) {
+    (void)p, (void)path;
     return true;
 }
 
 /* Remove a file, unless another run is writing it and has locked it. */
-static bool remove_file(batch_pieces *p, int folder, const char *name) {
-    const int fd = openat(folder, name, O_WRONLY | O_CLOEXEC);
+static bool remove_file(batch_pieces *p, const char *path) {
+    const int file = nqm_os_open(path, NQM_OPEN_WRITE);
     (void)p;
-    if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK))
-        unlinkat(folder, name, 0);
-    if (fd >= 0)
-        close(fd);
+    if (file >= 0 && nqm_os_lock(file, path) != NQM_LOCK_HELD)
+        nqm_os_remove(path);
+    if (file >= 0)
+        nqm_os_close(file);
     return false;
 }
 
@@ -330,10 +330,8 @@ static bool compare_terms(batch_pieces *p, size_t n, const nqm_safetensors *st) 
     return true;
 }
 
-static bool compare_file(batch_pieces *p, int folder, const char *name) {
-    char path[MAX_PATH];
-    (void)folder;
-    return snprintf(path, MAX_PATH, "%s/%s", p->folder, name) < MAX_PATH && open_piece(p, path, 0, compare_terms);
+static bool compare_file(batch_pieces *p, const char *path) {
+    return open_piece(p, path, 0, compare_terms);
 }
 
 static void hash_terms(batch_pieces *p) {
@@ -371,7 +369,7 @@ void close_batch_pieces(batch_pieces *p, bool is_complete) {
     if (p->folder && !p->is_shared) {
         if (is_complete)
             each_file(p, true, remove_file);
-        (void)rmdir(p->folder); /* if it is empty */
+        (void)nqm_os_remove_folder(p->folder); /* if it is empty */
     }
     free(p->terms);
     free(p->results);

@@ -3,6 +3,7 @@
  * nqm batch - scores the pairs of a list in the order of the list. The columns of the list come first, unchanged.
  * batch_pieces.c has the results, also those of an interrupted run; batch_summary.c what is made of all rows.
  */
+#include "base/os.h"
 #include "nqm/rows.h"
 #include "nqm/score/batch.h"
 
@@ -46,7 +47,7 @@ static void set_batch_columns(batch_form *form) {
     FILE *stream = open_text(&added, &n_added);
     fputs(nqm_model_has_parts(form->model) ? ",metrics,parts" : ",metrics", stream); /* members in JSON */
     print_csv_line(stream, form->columns, NULL, NULL);
-    fclose(stream);
+    close_text(stream, &added, &n_added);
     *strchr(added, '\n') = ',';
     for (size_t i = 0; i < form->list->n_columns; ++i) {
         char *word = must_have(nqm_strdupf(",%s,", names[i]));
@@ -163,9 +164,10 @@ static _Noreturn void stop_write(const batch_output *out) {
 
 /* Open, and print the text before the rows. path: absolute, or "-". */
 static void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out) {
+    char temporary[NQM_TEMPORARY_PATH];
     *out = (batch_output){.notes = allocate(form->list->n, sizeof *out->notes)};
     open_output(path, &out->file);
-    out->rows = is_sorted ? tmpfile() : out->file.stream;
+    out->rows = is_sorted ? nqm_os_temporary(temporary) : out->file.stream;
     if (!out->rows)
         stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
     print_batch_head(form, out->file.stream);
@@ -273,7 +275,7 @@ static void choose_order(batch_run *run, const char *word) {
 /* Settings that determine results, in the folder where relative paths of the list begin. */
 static json_t *score_terms(const batch_run *run) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
-    char *folder = realpath(".", NULL);
+    char *folder = nqm_os_real_path(".");
     json_t *terms = json_row("version of nqm:s list:s number of materials in its files:z model:s --root:s --invalid:s "
                              "--min-valid:f --metrics:s --ignore:s --textures:b",
                              nqm_version(), run->list->sha256, run->list->n, info.sha256, folder ? folder : "",

@@ -21,9 +21,8 @@ static const char *find_date(char text[DATE_SIZE]) {
     errno = 0;
     long long seconds = strtoll(epoch, &end, 10);
     time_t t = (time_t)seconds;
-    struct tm day;
-    if (end == epoch || *end || errno || seconds < 0 || !gmtime_r(&t, &day) ||
-        strftime(text, DATE_SIZE, "%Y-%m-%d", &day) == 0)
+    const struct tm *day = gmtime(&t);
+    if (end == epoch || *end || errno || seconds < 0 || !day || strftime(text, DATE_SIZE, "%Y-%m-%d", day) == 0)
         stop(EXIT_USAGE, "SOURCE_DATE_EPOCH must be a number of seconds, not '%s'", epoch);
     return text;
 }

@@ -2,6 +2,7 @@
  *
  * The data of a report's page, which fill report.html: title, summary, guide, provenance, and the values of its charts.
  */
+#include "base/os.h"
 #include "figures/picture.h"
 #include "nqm/show/charts.h"
 #include "nqm/show/report.h"
@@ -12,7 +13,6 @@
 #include <openssl/evp.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* The page while it is written. Its functions report an error and exit. */
 typedef struct report_page {
@@ -36,8 +36,8 @@ static const scored_pair *row_at(const report_page *page, size_t place) {
 
 /* The text of a stream of open_text(), which is closed and freed. */
 static json_t *html_text(FILE *stream, char **text) {
-    if (fclose(stream) != 0)
-        stop(EXIT_LIMIT, "out of memory");
+    size_t n;
+    close_text(stream, text, &n);
     json_t *string = json_string(*text);
     free(*text);
     return string;
@@ -48,7 +48,7 @@ static json_t *html_image(const char *path, const char *alt, size_t width, size_
     unsigned char bytes[3 * 1024], base64[4 * 1024 + 1];
     char *text;
     size_t n;
-    FILE *in = fopen(path, "rb"), *out = open_text(&text, &n);
+    FILE *in = nqm_os_open_text(path), *out = open_text(&text, &n);
     if (!in)
         stop(EXIT_OPEN, "%s: cannot read: %s", path, strerror(errno));
     fprintf(out, "<img width='%zu' height='%zu' alt='", width, height);
@@ -260,7 +260,7 @@ enum { SCALE_STEPS = 256 };
 /* Markup of the picture in the temporary file, which is removed, at a size in CSS pixels. */
 static json_t *take_figure(const report_page *page, const char *alt, size_t width, size_t height) {
     json_t *image = html_image(page->figure, alt, width, height);
-    unlink(page->figure);
+    nqm_os_remove(page->figure);
     return image;
 }
 

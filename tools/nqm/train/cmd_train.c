@@ -3,17 +3,14 @@
  * nqm train - trains a model on a dataset. The recipe sets the defaults of the options, so that --help shows its
  * values.
  */
+#include "base/os.h"
 #include "nqm/tool.h"
 #include "train/train.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <libgen.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* Values from the command line. */
 typedef struct train_arguments {
@@ -43,18 +40,18 @@ static const char *find_recipe(int argc, char **argv) {
 static void check_places(const train_arguments *a) {
     const char *paths[] = {a->output, a->options.run.checkpoint, a->log};
     for (size_t i = 0; i < 3; ++i) {
-        char *copy = paths[i] && strcmp(paths[i], "-") != 0 ? strdup(paths[i]) : NULL;
-        if (!copy)
+        if (!paths[i] || strcmp(paths[i], "-") == 0)
             continue;
-        int bad = is_folder(paths[i]) ? EISDIR : access(dirname(copy), W_OK) != 0 ? errno : 0;
-        free(copy);
+        char *folder = must_have(nqm_path_beside(paths[i], ""));
+        int bad = nqm_os_is_folder(paths[i]) ? EISDIR : !nqm_os_is_writable(*folder ? folder : ".") ? errno : 0;
+        nqm_free(folder);
         if (bad)
             stop(EXIT_OPEN, "%s: cannot write: %s", paths[i], strerror(bad));
     }
     const char *checkpoint = a->options.run.checkpoint;
     if (a->options.run.resume && !checkpoint)
         stop(EXIT_USAGE, "--resume needs --checkpoint FILE");
-    if (checkpoint && !a->options.run.resume && access(checkpoint, F_OK) == 0)
+    if (checkpoint && !a->options.run.resume && nqm_os_exists(checkpoint))
         stop(EXIT_USAGE, "%s exists: continue from it with --resume, or remove it", checkpoint);
 }
 
@@ -69,20 +66,20 @@ typedef struct epoch_log {
 /* The log is written in place, so that it can be followed and a stopped training leaves it. An earlier log stays until the first
  * epoch; a resumed training writes the epochs of the checkpoint again, which are the same lines. */
 static void open_log(epoch_log *log) {
-    struct stat facts;
+    nqm_file_info info;
     log->stream = stdout;
     if (strcmp(log->path, "-") != 0) {
-        const int fd = open(log->path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-        log->stream = fd < 0 ? NULL : fdopen(fd, "w");
+        const int fd = nqm_os_open(log->path, NQM_OPEN_CREATE);
+        log->stream = fd < 0 ? NULL : nqm_os_stream(fd);
         if (!log->stream)
             stop(EXIT_OPEN, "%s: cannot write: %s", log->path, strerror(errno));
-        log->is_file = fstat(fd, &facts) == 0 && S_ISREG(facts.st_mode);
+        log->is_file = nqm_os_get_info_of(fd, &info) && info.kind == NQM_FILE_REGULAR;
     }
 }
 
 /* Write what is buffered, and remove what an earlier training wrote further on. */
 static bool flush_log(const epoch_log *log) {
-    return fflush(log->stream) == 0 && (!log->is_file || ftruncate(fileno(log->stream), ftello(log->stream)) == 0);
+    return fflush(log->stream) == 0 && (!log->is_file || nqm_os_truncate(log->stream));
 }
 
 static void close_log(epoch_log *log) {

@@ -14,7 +14,7 @@
 #define POSIX_MADV_RANDOM           1
 #define POSIX_MADV_WILLNEED         3
 #define MADV_HUGEPAGE               14
-#define posix_madvise(a, n, advice) ((void)(a), 0)
+#define posix_madvise(a, n, advice) ((void)(a), (void)(n), (void)(advice), 0)
 #define madvise(a, n, advice)       ((void)(a), 0)
 void *mmap(void *address, size_t n_bytes, int protection, int flags, int fd, off_t offset);
 int munmap(void *address, size_t n_bytes);
