@@ -23,7 +23,6 @@ SHARED = {
     "half": "brdf kernel math",
     "human": "data judge",
     "interval": "model train",
-    "is": "base metric",
     "light": "metric render",
     "map": "base figures render",
     "material": "brdf data material",

@@ -6,6 +6,7 @@
  */
 #include "base/base.h"
 #include "base/memory_test.h"
+#include "base/os.h"
 #include "support/test.h"
 
 #include <errno.h>
@@ -297,6 +298,38 @@ TEST(test_map_refuses_what_is_no_file) {
     assert_int_equal(mkfifo(path, 0600), 0);
     assert_int_equal(nqm_map_open(path, &map, &err), NQM_ERR_IO);
     unlink(path);
+}
+
+TEST(folders_are_listed_in_order) {
+    static const char *const expected[] = {".hidden", "B", "a", "inside", "link"};
+    char path[256], inner[300];
+    nqm_names names = {.n = 0};
+    nqm_file_info info, same;
+    path_in_folder(path, sizeof path, "listed");
+    assert_true(nqm_os_make_folder(path) && nqm_os_is_folder(path) && !nqm_os_make_folder(path));
+    for (size_t i = 0; i < 5; ++i) {
+        snprintf(inner, sizeof inner, "%s/%s", path, expected[4 - i]);
+        if (i == 0)
+            assert_int_equal(symlink("nothing", inner), 0);
+        else if (i == 1)
+            assert_true(nqm_os_make_folder(inner) && !nqm_os_is_link(inner));
+        else
+            write_text(inner, "text");
+        assert_true(i > 0 || (nqm_os_is_link(inner) && !nqm_os_exists(inner)));
+    }
+    assert_true(nqm_os_get_info(inner, &info) && info.kind == NQM_FILE_REGULAR && info.n_bytes == 4);
+    assert_true(nqm_os_get_info(path, &same) && same.kind == NQM_FILE_FOLDER && same.number != info.number);
+    assert_int_equal(nqm_os_list_folder(path, &names, NULL), NQM_OK);
+    assert_int_equal(names.n, 5);
+    for (size_t i = 0; i < names.n; ++i) {
+        assert_string_equal(nqm_name(&names, i), expected[i]);
+        snprintf(inner, sizeof inner, "%s/%s", path, expected[i]);
+        assert_false(nqm_os_remove_folder(path));
+        assert_true(nqm_os_remove(inner) || nqm_os_remove_folder(inner));
+    }
+    nqm_names_free(&names);
+    assert_true(nqm_os_remove_folder(path));
+    assert_int_equal(nqm_os_list_folder(path, &names, NULL), NQM_ERR_IO);
 }
 
 TEST(test_numbers_survive_any_locale) {

@@ -32,3 +32,13 @@ TEST(other_names_are_not) {
     assert_string_equal(advice("drwa"), ""); /* 'ward' needs more than one change */
     assert_string_equal(advice("a name that is far longer than any word of the tool may be"), "");
 }
+
+TEST(texts_are_equal_in_any_case) {
+    assert_true(nqm_equal_any_case("Normal_DX", "nORMAL_dx", SIZE_MAX));
+    assert_true(nqm_equal_any_case("", "", SIZE_MAX));
+    assert_true(nqm_equal_any_case("data:image", "DATA:", 5));
+    assert_false(nqm_equal_any_case("data", "DATA:", 5));
+    assert_false(nqm_equal_any_case("data:", "data", SIZE_MAX));
+    assert_false(nqm_equal_any_case("[", "{", SIZE_MAX));               /* 32 apart, as a letter and its capital are */
+    assert_false(nqm_equal_any_case("\xc3\xa4", "\xc3\x84", SIZE_MAX)); /* only ASCII letters have a case here */
+}

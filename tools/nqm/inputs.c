@@ -251,13 +251,10 @@ void enter_list_root(const char *root, const char *list_path) {
 }
 
 bool looks_like_safetensors(const char *path) {
-    FILE *file = nqm_os_open_text(path);
-    if (!file)
-        return false;
-    char head[9] = {0};
-    size_t n = fread(head, 1, sizeof head, file);
-    fclose(file);
-    return n == sizeof head && head[8] == '{';
+    nqm_map map;
+    const bool is_json = nqm_map_open_own(path, &map, NULL) == NQM_OK && map.n_bytes > 8 && map.data[8] == '{';
+    nqm_map_close(&map);
+    return is_json;
 }
 
 nqm_directions *open_directions(const char *name_or_path) {

@@ -8,7 +8,6 @@
 #include "nqm/show/report.h"
 #include "texture/texture.h"
 
-#include <errno.h>
 #include <math.h>
 #include <openssl/evp.h>
 #include <stdlib.h>
@@ -45,20 +44,21 @@ static json_t *html_text(FILE *stream, char **text) {
 
 /* Markup: an <img> of width x height CSS pixels that contains the bytes of a PNG file. */
 static json_t *html_image(const char *path, const char *alt, size_t width, size_t height) {
-    unsigned char bytes[3 * 1024], base64[4 * 1024 + 1];
+    enum { AT_ONCE = 3 * 1024 };
+    unsigned char base64[AT_ONCE / 3 * 4 + 1];
     char *text;
     size_t n;
-    FILE *in = nqm_os_open_text(path), *out = open_text(&text, &n);
-    if (!in)
-        stop(EXIT_OPEN, "%s: cannot read: %s", path, strerror(errno));
+    nqm_map map;
+    FILE *out = open_text(&text, &n);
+    must(nqm_map_open_own(path, &map, &fault));
     fprintf(out, "<img width='%zu' height='%zu' alt='", width, height);
     escape_xml(out, alt);
     fputs("' src='data:image/png;base64,", out);
-    while ((n = fread(bytes, 1, sizeof bytes, in)) > 0)
-        fwrite(base64, 1, (size_t)EVP_EncodeBlock(base64, bytes, (int)n), out);
-    if (ferror(in))
-        stop(EXIT_OPEN, "%s: cannot read", path);
-    fclose(in);
+    for (size_t at = 0; at < map.n_bytes; at += AT_ONCE) {
+        const int n_bytes = (int)nqm_smaller(AT_ONCE, map.n_bytes - at);
+        fwrite(base64, 1, (size_t)EVP_EncodeBlock(base64, map.data + at, n_bytes), out);
+    }
+    nqm_map_close(&map);
     fputs("'/>\n", out);
     return html_text(out, &text);
 }
