@@ -20,7 +20,8 @@ static void look_at(const nqm_dataset *d) {
             abort();
     }
     nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(d, 0, NULL, NULL, NULL, &ev, NULL);
+    const nqm_eval_options options = nqm_eval_options_default();
+    nqm_status status = nqm_evaluation_create(d, 0, NULL, NULL, &options, &ev, NULL);
     if (status != NQM_OK && n_chars < SIZE_MAX)
         abort();
     nqm_evaluation_free(ev);

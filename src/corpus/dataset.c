@@ -101,8 +101,7 @@ static nqm_status write_manifest(const char *dataset_path, const char *manifest,
     return status;
 }
 
-/* Of 44 seeds of the standard scenes, the one whose points estimate labels of 110 pairs of training materials best
- * (studies/notes.md). */
+/* Seed of the points: the best of 44 by the error of estimated labels on 110 training pairs (studies/notes.md). */
 enum { BETTER_POINTS = 2 };
 
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {

@@ -44,7 +44,7 @@ struct nqm_dataset {
     nqm_names ref_sources;   /* (n_refs) "rgl", "nbrdf", ..., by the manifest; empty: unknown */
     nqm_names pair_names;    /* (n_pairs) the test: a BRDF spec, or "NAME_3" in the authors' layout */
     char *manifest;          /* JSON: how the dataset was made; NULL: unknown */
-    bool is_anisotropic;     /* by the manifest: pairs may be anisotropic, and samples have one azimuth */
+    bool is_anisotropic;     /* the manifest says that BRDFs may be anisotropic; the samples have phi_h = 0 only */
     bool order_only; /* `jod` contains scores on another scale, of which only the order is meaningful (human data) */
     char sha256[65]; /* SHA-256 of nqm's own file; of other sources nqm_dataset_hash() */
     nqm_map file;    /* the arrays above point into this mapped file, */

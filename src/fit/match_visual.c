@@ -53,8 +53,8 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
     *v = (nqm_match_visual){.quantity = NQM_SCORE_DELTA_E};
     if (nqm_brdf_anisotropy(ref) > 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
-                        "%s: anisotropic; the losses 'nqm' and 'transport' see one azimuth. Use 'auto' or a loss of "
-                        "values, as 'ma_crwe'",
+                        "%s: anisotropic; the losses 'nqm' and 'transport' are made for isotropic BRDFs: use 'auto', "
+                        "or a loss of values, as 'ma_crwe'",
                         nqm_brdf_get_info(ref).name);
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&v->ref, n, 3 * sizeof(float)}, {&v->test, n, 3 * sizeof(float)},
                                                     {&v->slopes, n, 3 * sizeof(float)}, {&v->used, n, 1}),

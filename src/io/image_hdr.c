@@ -57,7 +57,7 @@ static nqm_status read_header(hdr_file *file, unsigned long long *width, unsigne
         status = read_line(file, line, sizeof line);
     if (status != NQM_OK)
         return status;
-    if (sscanf(line, "-Y %10llu +X %10llu%n", height, width, &n) == 2 && !line[n])
+    if (sscanf(line, "-Y %10llu +X %10llu%n", height, width, &n) == 2 && !line[n] && !strchr(line + 1, '-'))
         return NQM_OK;
     return fail_at(file, "the size line is not '-Y HEIGHT +X WIDTH'");
 }

@@ -39,7 +39,7 @@ enum { NQM_XML_FREE_ELEMENTS = 1 << 16, NQM_XML_BYTES_PER_ELEMENT = 20 };
 NQM_MUST_CHECK nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm_xml *xml_ret,
                                         nqm_error *err);
 void nqm_xml_free(nqm_xml *xml);
-/** Append a child to `parent`, or the root (NULL), of a document that is made from another format. attributes: names
+/** Append an element (parent NULL: the root), for documents that are built in memory. attributes: names
  *  and values, then NULL; texts are copied. NULL: out of memory. */
 nqm_xml_element *nqm_xml_append(nqm_xml *xml, nqm_xml_element *parent, const char *name, const char *const *attributes,
                                 int64_t byte_offset);

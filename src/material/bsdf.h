@@ -102,7 +102,7 @@ const nqm_bsdf_node *nqm_bsdf_find(const nqm_bsdf_reading *r, const char *name);
 bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v);
 /** "true" or "false", likewise. */
 bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
-/** A string that is one of `words`, which blanks separate: its number, or 0 when the property is not given. */
+/** Index of the property's value in `words` (separated by blanks); 0 if the property is absent. */
 bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, size_t *v);
 /** RGB of a spectrum by wavelength (bsdf_spectrum.c). false: refused. */
 bool nqm_bsdf_spectrum(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double rgb[3]);

@@ -104,7 +104,7 @@ static bool hit_sphere(double radius, const double *origin, const double *direct
     return true;
 }
 
-/* The corners of a triangle as doubles; `turned` so that the normals lie on the side of `outside`. */
+/* Corners of a triangle. */
 typedef struct corners {
     double position[3][3], normal[3][3];
 } corners;

@@ -19,7 +19,7 @@ static size_t n_columns(const nqm_examples *e) {
     return 3 * e->dataset->n_directions;
 }
 
-/* Samples i: of the references, then of the tests. */
+/* Row i: references first, then tests. */
 static void transform(void *user, size_t i) {
     const nqm_examples *e = user;
     const size_t n = n_columns(e), n_refs = e->dataset->n_refs;

@@ -68,7 +68,7 @@ static nqm_status open_list(const char *path, nqm_error *err) {
 
 static nqm_status open_human(const char *path, nqm_error *err) {
     nqm_human *human;
-    const nqm_status status = nqm_human_load(path, NULL, &human, err);
+    const nqm_status status = nqm_human_load(path, &(nqm_human_options){0}, &human, err);
     nqm_human_free(human);
     return status;
 }

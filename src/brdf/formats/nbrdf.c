@@ -90,8 +90,8 @@ const float *nqm_nbrdf_weights(const nqm_brdf *brdf) {
 static nqm_status read_keras(const unsigned char *data, size_t n_bytes, const char *name, float *weights,
                              nqm_error *err) {
     if (n_bytes > MAX_FILE_BYTES)
-        return nqm_fail(err, NQM_ERR_LIMIT, MAX_FILE_BYTES, "%s: %zu bytes are too many for an NBRDF: at most %d are read",
-                        name, n_bytes, MAX_FILE_BYTES);
+        return nqm_fail(err, NQM_ERR_LIMIT, MAX_FILE_BYTES, "%s: %zu bytes are too many for an NBRDF (limit: %d)", name,
+                        n_bytes, MAX_FILE_BYTES);
     nqm_hdf5 file;
     nqm_status status = nqm_hdf5_open(data, n_bytes, name, &file, err);
     for (const layer *l = layers; l < layers + N_LAYERS && status == NQM_OK; ++l) {

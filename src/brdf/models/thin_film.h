@@ -118,8 +118,7 @@ static inline void film_on_index(const film_rules *rules, thin_film film, double
     film_polarised(rules, &film, cosine, light, (const double(*)[3])bottom, (const double(*)[3])phase, rgb);
 }
 
-/** On a surface with Schlick's factor and its colours (3) at 0, 82 and 90 degrees. GLSL halves the factor, against the
- *  specification. */
+/** On a base with Schlick's F0, F82 and F90 (RGB), as the specification says; MaterialX's GLSL halves the factor. */
 static inline void film_on_schlick(thin_film film, double cosine, const double *f0, const double *f82,
                                    const double *f90, double *rgb) {
     film.ior = fmax(film.ior, 1);

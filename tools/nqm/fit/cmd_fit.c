@@ -339,8 +339,8 @@ static void print_sorted(size_t n, const fitted *f, bool verbose, const char *lo
     free(jods);
 }
 
-/* Tables with the best JOD first, JSON and arguments in the order of the models. loss: of analytic models; metric: gave the
- * scores. */
+/* Tables with the best JOD first, JSON and arguments in the order of the models. loss: that of
+ * the analytic fits; metric: the model that scored all of them. */
 static void print_fits(size_t n, const fitted *f, result_format format, bool verbose, const char *loss,
                        const nqm_model *metric) {
     if (format == FORMAT_JSON)
