@@ -39,14 +39,14 @@ void *nqm_alloc(size_t n, size_t size) {
     if (told_to_fail())
         return NULL;
     n_bytes = (n_bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    void *block = aligned_alloc(ALIGNMENT, n_bytes ? n_bytes : ALIGNMENT);
+    void *block = nqm_os_alloc(ALIGNMENT, n_bytes ? n_bytes : ALIGNMENT);
     if (block)
         memset(block, 0, n_bytes);
     return block;
 }
 
 void nqm_free(void *block) {
-    free(block);
+    nqm_os_free(block);
 }
 
 nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error *err) {
@@ -95,8 +95,8 @@ void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size) {
     const size_t max = nqm_larger(nqm_larger(n, 2 * *max_n), MIN_ELEMENTS);
     if (!nqm_mul_size(max, size, &n_bytes) || told_to_fail())
         return NULL;
-    void *larger =
-        realloc(block, n_bytes); /* large blocks move without a copy; pages behind the elements are not used yet */
+    /* Large blocks move without a copy; pages behind the elements are not used yet. */
+    void *larger = nqm_os_realloc(block, n_bytes);
     if (larger)
         *max_n = max;
     return larger;

@@ -37,9 +37,9 @@ char *nqm_os_real_path(const char *path);
 
 /* ---- files and folders ------------------------------------------------------------------------------------------- */
 
-/** Rename a file; one that exists at the new path is replaced in one step. */
+/** Rename a file, which may be open; one that exists at the new path, which may be mapped, is replaced in one step. */
 bool nqm_os_replace(const char *from, const char *to);
-/** Remove a file. May be called in a signal handler, as the next one may. */
+/** Remove a file, which may be open. May be called in a signal handler, as the next one may. */
 bool nqm_os_remove(const char *path);
 /** Remove a folder if it is empty. */
 bool nqm_os_remove_folder(const char *path);
@@ -91,7 +91,13 @@ void nqm_os_advise(int file, size_t offset, size_t n, nqm_advice advice);
 /** Read n bytes; false also if the file ends before. is_cached: only if no disk must be waited for, as far as the system can tell. */
 bool nqm_os_read_at(int file, size_t offset, size_t n, void *out, bool is_cached);
 
-/* ---- pages of memory --------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+/** n > 0 bytes at a multiple of `alignment`; nqm_os_free() it. Two functions of ISO C, which not every system has. */
+void *nqm_os_alloc(size_t alignment, size_t n);
+/** As realloc(), for NULL and what this function has given. */
+void *nqm_os_realloc(void *block, size_t n);
+void nqm_os_free(void *block);
 
 /** Map the first n > 0 bytes of a file for reading; they stay mapped when it is closed. */
 void *nqm_os_map(int file, size_t n);

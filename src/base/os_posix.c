@@ -198,7 +198,19 @@ bool nqm_os_read_at(int file, size_t offset, size_t n, void *out, bool is_cached
     return !is_cached && pread(file, out, n, (off_t)offset) == (ssize_t)n;
 }
 
-/* ---- pages of memory --------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+void *nqm_os_alloc(size_t alignment, size_t n) {
+    return aligned_alloc(alignment, n);
+}
+
+void *nqm_os_realloc(void *block, size_t n) {
+    return realloc(block, n);
+}
+
+void nqm_os_free(void *block) {
+    free(block);
+}
 
 void *nqm_os_map(int file, size_t n) {
     void *pages = mmap(NULL, n, PROT_READ, MAP_PRIVATE, file, 0);
