@@ -41,10 +41,20 @@ static nqm_status read_line(hdr_file *file, char *line, size_t n_line) {
     return NQM_OK;
 }
 
+/* Parse `prefix` and a decimal number of at most 10 digits; returns the rest of the text, or NULL. */
+static const char *parse_size(const char *text, const char *prefix, uint64_t *value) {
+    size_t n = strlen(prefix), n_digits = 0;
+    if (strncmp(text, prefix, n) != 0)
+        return NULL;
+    *value = 0;
+    for (text += n; *text >= '0' && *text <= '9' && n_digits < 10; ++text, ++n_digits)
+        *value = 10 * *value + (uint64_t)(*text - '0');
+    return n_digits ? text : NULL;
+}
+
 /* Read the header and the size line after it. */
-static nqm_status read_header(hdr_file *file, unsigned long long *width, unsigned long long *height) {
+static nqm_status read_header(hdr_file *file, uint64_t *width, uint64_t *height) {
     char line[128];
-    int n = 0;
     nqm_status status = read_line(file, line, sizeof line);
     if (status == NQM_OK && strcmp(line, "#?RADIANCE") != 0 && strcmp(line, "#?RGBE") != 0)
         return fail_at(file, "the first line is neither #?RADIANCE nor #?RGBE");
@@ -57,9 +67,9 @@ static nqm_status read_header(hdr_file *file, unsigned long long *width, unsigne
         status = read_line(file, line, sizeof line);
     if (status != NQM_OK)
         return status;
-    if (sscanf(line, "-Y %10llu +X %10llu%n", height, width, &n) == 2 && !line[n] && !strchr(line + 1, '-'))
-        return NQM_OK;
-    return fail_at(file, "the size line is not '-Y HEIGHT +X WIDTH'");
+    const char *rest = parse_size(line, "-Y ", height);
+    rest = rest ? parse_size(rest, " +X ", width) : NULL;
+    return rest && !*rest ? NQM_OK : fail_at(file, "the size line is not '-Y HEIGHT +X WIDTH'");
 }
 
 /* Read one channel of a row in the newer encoding: a count n > 128 is followed by one value that is repeated n - 128
@@ -118,7 +128,7 @@ static nqm_status read_row(hdr_file *file, unsigned char *row, size_t width) {
 
 nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err) {
     hdr_file file = {.map = map, .err = err};
-    unsigned long long width = 0, height = 0;
+    uint64_t width = 0, height = 0;
     nqm_status status = read_header(&file, &width, &height);
     if (status == NQM_OK)
         status = nqm_image_alloc(map, width, height, max_pixels_per_byte, image, err);

@@ -6,48 +6,54 @@
 
 #include <string.h>
 
-/* Files that have these bytes at their beginning, or in containers of other content, too, at byte 4 or 8. */
+/* Files that begin with these bytes. */
 static const struct {
-    size_t at, n;
+    size_t n;
     const char *bytes, *kind;
 } signatures[] = {
-    {0, 8, "SCATFUN\x01", "a Fourier BSDF of pbrt or Mitsuba"},
-    {0, 16, "NVIDIA ARC MBSDF", "a measured BSDF of NVIDIA MDL"},
-    {0, 11, "tensor_file", "an RGL tensor file"},
-    {0, 6, "\x93NUMPY", "an array of NumPy"},
-    {0, 4, "\x76\x2f\x31\x01", "an OpenEXR picture"},
-    {0, 10, "#?RADIANCE", "a Radiance HDR picture"},
-    {0, 6, "#?RGBE", "a Radiance HDR picture"},
-    {0, 4, "\x89PNG", "a PNG picture"},
-    {0, 3, "\xff\xd8\xff", "a JPEG picture"},
-    {0, 4, "II*\0", "a TIFF picture"},
-    {0, 4, "MM\0*", "a TIFF picture"},
-    {0, 12, "\xabKTX 20\xbb\r\n\x1a\n", "a KTX2 picture"},
-    {0, 12, "\xabKTX 11\xbb\r\n\x1a\n", "a KTX picture"},
-    {0, 8, "DDS |\0\0\0", "a DDS picture"},
-    {0, 4, "GIF8", "a GIF picture"},
-    {0, 4, "sB\x13\0", "a Basis Universal picture"},
-    {0, 4, "8BPS", "a Photoshop picture"},
-    {0, 8, "\0\0\0\x0cjP  ", "a JPEG 2000 picture"},
-    {0, 4, "ply\n", "a PLY mesh"},
-    {0, 5, "ply\r\n", "a PLY mesh"},
-    {0, 4, "glTF", "a binary glTF file"},
-    {0, 4, "PK\x03\x04", "a zip archive"},
-    {0, 2, "\x1f\x8b", "a gzip file: unpack it first"},
-    {0, 3, "BZh", "a bzip2 file: unpack it first"},
-    {0, 6, "\xfd\x37zXZ\0", "an xz file: unpack it first"},
-    {0, 8, "\x89HDF\r\n\x1a\n", "an HDF5 file"},
-    {0, 10, "MATLAB 5.0", "a MATLAB file"},
-    {0, 10, "MATLAB 7.3", "a MATLAB 7.3 file: save it with '-v7'"},
-    {0, 5, "%PDF-", "a PDF document"},
-    {0, 4, "\x7f\x45LF", "a program"},
-    {0, 2, "\x80\x04", "a Python pickle"},
-    {0, 4, "\x80\x02\x8a\n", "a PyTorch file: save the weights as .npy files"},
-    {0, 24, "version https://git-lfs.", "a pointer of Git LFS in place of the file: git lfs pull"},
-    {8, 4, "WEBP", "a WebP picture"},
-    {4, 8, "ftypavif", "an AVIF picture"},
-    {4, 7, "ftyphei", "an HEIC picture"},
+    {8, "SCATFUN\x01", "a Fourier BSDF of pbrt or Mitsuba"},
+    {16, "NVIDIA ARC MBSDF", "a measured BSDF of NVIDIA MDL"},
+    {11, "tensor_file", "an RGL tensor file"},
+    {6, "\x93NUMPY", "an array of NumPy"},
+    {4, "\x76\x2f\x31\x01", "an OpenEXR picture"},
+    {10, "#?RADIANCE", "a Radiance HDR picture"},
+    {6, "#?RGBE", "a Radiance HDR picture"},
+    {4, "\x89PNG", "a PNG picture"},
+    {3, "\xff\xd8\xff", "a JPEG picture"},
+    {4, "II*\0", "a TIFF picture"},
+    {4, "MM\0*", "a TIFF picture"},
+    {12, "\xabKTX 20\xbb\r\n\x1a\n", "a KTX2 picture"},
+    {12, "\xabKTX 11\xbb\r\n\x1a\n", "a KTX picture"},
+    {8, "DDS |\0\0\0", "a DDS picture"},
+    {4, "GIF8", "a GIF picture"},
+    {4, "sB\x13\0", "a Basis Universal picture"},
+    {4, "8BPS", "a Photoshop picture"},
+    {8, "\0\0\0\x0cjP  ", "a JPEG 2000 picture"},
+    {4, "ply\n", "a PLY mesh"},
+    {5, "ply\r\n", "a PLY mesh"},
+    {4, "glTF", "a binary glTF file"},
+    {4, "PK\x03\x04", "a zip archive"},
+    {2, "\x1f\x8b", "a gzip file: unpack it first"},
+    {3, "BZh", "a bzip2 file: unpack it first"},
+    {6, "\xfd\x37zXZ\0", "an xz file: unpack it first"},
+    {8, "\x89HDF\r\n\x1a\n", "an HDF5 file"},
+    {10, "MATLAB 5.0", "a MATLAB file"},
+    {10, "MATLAB 7.3", "a MATLAB 7.3 file: save it with '-v7'"},
+    {5, "%PDF-", "a PDF document"},
+    {4, "\x7f\x45LF", "a program"},
+    {2, "\x80\x04", "a Python pickle"},
+    {4, "\x80\x02\x8a\n", "a PyTorch file: save the weights as .npy files"},
+    {24, "version https://git-lfs.", "a pointer of Git LFS in place of the file: git lfs pull"},
 };
+
+/* Pictures in containers that also have other content, whose kind is at byte 8. */
+static const char *kind_in_container(const unsigned char *data, size_t n) {
+    if (n >= 12 && memcmp(data, "RIFF", 4) == 0 && memcmp(data + 8, "WEBP", 4) == 0)
+        return "a WebP picture";
+    if (n >= 12 && memcmp(data + 4, "ftypavif", 8) == 0)
+        return "an AVIF picture";
+    return n >= 12 && memcmp(data + 4, "ftyphei", 7) == 0 ? "an HEIC picture" : NULL;
+}
 
 enum { HEAD = 2048 };
 
@@ -112,9 +118,10 @@ const char *nqm_file_kind(const unsigned char *data, size_t n_bytes) {
     char text[HEAD];
     size_t n = nqm_smaller(n_bytes, HEAD - 1);
     for (size_t i = 0; i < sizeof signatures / sizeof *signatures; ++i)
-        if (n >= signatures[i].at + signatures[i].n &&
-            memcmp(data + signatures[i].at, signatures[i].bytes, signatures[i].n) == 0)
+        if (n >= signatures[i].n && memcmp(data, signatures[i].bytes, signatures[i].n) == 0)
             return signatures[i].kind;
+    if (kind_in_container(data, n))
+        return kind_in_container(data, n);
     if (n > 9 && data[8] == '{' && nqm_load_u64(data) < ((uint64_t)1 << 40))
         return "a safetensors file";
     for (size_t i = 0; i < n; ++i)

@@ -163,7 +163,7 @@ size_t nqm_networks_in_folder(const char *path, char **first_ret);
 
 /** The textured material i of a file without the properties `ignored` (NQM_IGNORE_...); NULL: it is constant, or refused. */
 const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored);
-/** Give the last material its maps, which it frees. */
-void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured);
+/** Give the last material its maps, or NULL; is_owner: it frees them, else they are those of a material that outlives it. */
+void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner);
 
 #endif

@@ -12,8 +12,9 @@ struct nqm_materials {
     const char *path;                          /* while the file is read, for messages */
     size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
-        nqm_material_info info;         /* each name owns a block with the other texts */
-        nqm_textured *textured;         /* NULL: none */
+        nqm_material_info info;       /* each name owns a block with the other texts */
+        const nqm_textured *textured; /* NULL: none */
+        bool is_owner;
         const struct entry *other;      /* the next one of the same name, of the first one; NULL: none */
     } * list;                           /* (n) */
     nqm_index by_name;                  /* the first of each name, when the file is read */
@@ -83,7 +84,8 @@ void nqm_materials_free(nqm_materials *materials) {
         return;
     for (size_t i = 0; i < materials->n; ++i) {
         nqm_free((char *)materials->list[i].info.name);
-        nqm_textured_free(materials->list[i].textured);
+        if (materials->list[i].is_owner)
+            nqm_textured_free((nqm_textured *)(uintptr_t)materials->list[i].textured);
     }
     nqm_index_free(&materials->by_name);
     nqm_free(materials->list);
@@ -151,10 +153,11 @@ bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes) {
     return materials->max_reserved > 0;
 }
 
-void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured) {
+void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
     struct entry *last = &materials->list[materials->n - 1];
     last->textured = textured;
-    last->info.n_maps = textured->n_images;
+    last->is_owner = is_owner;
+    last->info.n_maps = textured ? textured->n_images : 0;
 }
 
 /* ---- included files ---------------------------------------------------------------------------------------------- */
@@ -186,8 +189,8 @@ static nqm_status add_unread(nqm_materials *materials, nqm_error *err) {
             nqm_free(block);
         }
         nqm_free(remark);
-        if (entry->textured)
-            nqm_textured_remark(entry->textured, text);
+        if (entry->is_owner)
+            nqm_textured_remark((nqm_textured *)(uintptr_t)entry->textured, text);
     }
     return status;
 }

@@ -19,6 +19,11 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
+    nqm_index shaders; /* of `known` */
+    struct known_shader {
+        element *shader;
+        size_t material; /* the first one that has it */
+    } known[NQM_MAX_MATERIALS];
     element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
@@ -268,6 +273,16 @@ static bool read_subsurface_color(reading *r) {
     return true;
 }
 
+/* Whether an input before this one has its name and a value; those without a value are the defaults. */
+static bool is_repeated(const reading *r, const element *input) {
+    const element *e = r->shader->first;
+    const char *name = nqm_xml_get(input, "name");
+    while (e != input &&
+           !(strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e) && nqm_texts_equal(name, nqm_xml_get(e, "name"))))
+        e = e->next;
+    return e != input;
+}
+
 static bool read_shader(reading *r) {
     r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
     if (!r->surface)
@@ -286,7 +301,7 @@ static bool read_shader(reading *r) {
         if (is_usd && name && !nqm_rule_find(r->surface->inputs, name))
             nqm_mtlx_read_unused(&r->reading, NULL, e);
         else
-            ok = nqm_rules_apply(&r->reading, name, e, find_input(&r->reading, name) != e);
+            ok = nqm_rules_apply(&r->reading, name, e, is_repeated(r, e));
     }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
@@ -334,24 +349,53 @@ static void check_displacement(reading *r, element *material) {
                       "displacementshader is connected: displacement is not part of a BRDF");
 }
 
+static nqm_index_key key_of_known(const void *value) {
+    return (nqm_index_key){((const struct known_shader *)value)->shader, ""};
+}
+
+/* Add a material whose shader an earlier one has, too. */
+static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
+    nqm_material_info info = nqm_materials_get(materials, i);
+    info.name = nqm_xml_get(material, "name");
+    info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
+    const nqm_status status = nqm_materials_add(materials, &info, err);
+    if (status == NQM_OK)
+        nqm_materials_attach(materials, nqm_materials_maps(materials, i, ~0U), false);
+    return status;
+}
+
 /* `material` is a surfacematerial, or a shader that no material uses. */
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
+    const size_t number = nqm_materials_count(materials);
     const bool has_memory = nqm_reading_begin(&r->reading, &source);
     r->graph.t = r->reading.textured;
     r->graph.n_built = 0;
     r->graph.depth = 0;
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
-    if (has_memory && nqm_xml_get(material, "remark"))
+    const bool has_shader = r->shader && has_memory, is_own = nqm_xml_get(material, "remark") != NULL;
+    if (has_memory && is_own)
         nqm_textured_remark(r->graph.t, nqm_xml_get(material, "remark"));
-    if (r->shader && has_memory)
+    if (has_shader)
         check_displacement(r, material);
+    const bool is_shared = has_shader && !is_own && !r->reading.ignorable;
+    const struct known_shader *known = is_shared ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
+    if (known) {
+        nqm_textured_free(r->graph.t);
+        return add_again(known->material, material, materials, err);
+    }
     if (!nqm_materials_reserve(materials, 0))
         nqm_refuse(&r->reading, material, NQM_MATERIALS_FULL);
-    else if (r->shader && has_memory)
+    else if (has_shader)
         read_shader(r);
-    return nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
-                           material->byte_offset, materials, err);
+    nqm_status status =
+        nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
+                        material->byte_offset, materials, err);
+    if (status == NQM_OK && is_shared) {
+        r->known[number] = (struct known_shader){r->shader, number};
+        nqm_index_add(&r->shaders, &r->known[number]);
+    }
+    return status;
 }
 
 /* The surfacematerials, or the shaders if there are none. */
@@ -376,8 +420,11 @@ nqm_status nqm_mtlx_read_document(const nqm_xml *xml, const char *path, nqm_mate
     r->graph.reading = &r->reading;
     nqm_status status = nqm_xml_names_create(xml->n_elements, xml, &r->graph.names, err);
     if (status == NQM_OK)
+        status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
+    if (status == NQM_OK)
         status = add_all(r, materials, err);
     nqm_index_free(&r->graph.names);
+    nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
 }

@@ -225,7 +225,7 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
         t->values = r->values;
-        nqm_materials_attach(materials, t);
+        nqm_materials_attach(materials, t, true);
     } else
         nqm_textured_free(t);
     r->textured = NULL;

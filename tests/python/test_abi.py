@@ -155,7 +155,7 @@ class Abi(unittest.TestCase):
             with open(path, encoding="utf-8") as file:
                 source += file.read()
         for name, result, arguments in functions():
-            if "*" in arguments and result != "nqm_status" and not name.endswith(("_free", "_clear", "_column")):  # NULL is documented there
+            if "*" in arguments and result != "nqm_status" and not name.endswith(("_free", "_clear")) and name != "nqm_pairs_column":
                 self.assertRegex(source, r"\b%s\([^;{]*\) \{\n    assert\(" % name)
 
     def test_version(self):

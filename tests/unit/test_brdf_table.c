@@ -201,7 +201,7 @@ TEST(phi_h_is_an_axis) {
 }
 
 /* A diffuse lobe and one that is narrow along the tangent, turned by the angle at `user`. */
-static void tangent(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
+static void brushed(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
     const double turn = user ? *(const double *)user : 0;
     for (size_t i = 0; i < 3 * n; i += 3) {
         const double h[3] = {wi[i] + wo[i], wi[i + 1] + wo[i + 1], wi[i + 2] + wo[i + 2]};
@@ -213,10 +213,10 @@ static void tangent(void *user, size_t n, const double *wi, const double *wo, do
 /* An anisotropic BRDF becomes a table with phi_h, which a file keeps; MERL tables are refused. Others have no phi_h. */
 TEST(anisotropic_brdfs_get_phi_h) {
     static double turn = 0.5;
-    const char *path = scratch_path("tangent.npy"), *saved = scratch_path("tangent.safetensors");
+    const char *path = scratch_path("brushed.npy"), *saved = scratch_path("brushed.safetensors");
     nqm_brdf *brdf, *table;
     nqm_error err = {0};
-    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = tangent, .user = &turn}, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = brushed, .user = &turn}, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_MERL, NULL, scratch_path("x.binary"), NULL, NULL, &err),
                      NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "is anisotropic"));
@@ -243,7 +243,7 @@ TEST(anisotropic_brdfs_get_phi_h) {
     nqm_brdf_free(again);
     nqm_brdf_free(table);
     nqm_brdf_free(brdf);
-    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = tangent}, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = brushed}, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_write(brdf, NQM_FILE_NPY, NULL, path, NULL, NULL, NULL), NQM_OK);
     table = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).layout, "90x46x24 nodes");

@@ -70,9 +70,9 @@ static double expected_fraction(const nqm_scene *scene, const limits *l) {
 
 TEST(what_has_values_is_compared) {
     limits whole = {0}, high_sun = {.least_wi = 0.3}, steep_view = {.least_wo = 0.3},
-           tangent = {.least_wi = 0.3, .is_brushed = true}, whole_brushed = {.is_brushed = true};
+           brushed = {.least_wi = 0.3, .is_brushed = true}, whole_brushed = {.is_brushed = true};
     limits *pairs[][2] = {{&whole, &high_sun},      {&high_sun, &whole},        {&steep_view, &whole},
-                          {&high_sun, &steep_view}, {&tangent, &whole_brushed}, {&high_sun, &high_sun}};
+                          {&high_sun, &steep_view}, {&brushed, &whole_brushed}, {&high_sun, &high_sun}};
     nqm_scene *scene = scene_of(0.3);
     double *map = nqm_alloc(nqm_scene_get_info(scene).n_points, sizeof *map);
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
@@ -82,7 +82,7 @@ TEST(what_has_values_is_compared) {
         nqm_label label;
         double valid;
         assert_int_equal(nqm_scene_label(scene, &ref, &test, &label, map, &valid, NULL), NQM_OK);
-        /* the light directions of tangent ones follow their lobes, which are measured where they have values */
+        /* the light directions of brushed ones follow their lobes, which are measured where they have values */
         assert_true(label.delta_e <= (pairs[i][0]->is_brushed ? 0.05 : 0));
         for (size_t p = 0; p < nqm_scene_get_info(scene).n_points; ++p)
             assert_true(map[p] == 0 || pairs[i][0]->is_brushed);
@@ -97,9 +97,9 @@ TEST(what_has_values_is_compared) {
 
 /* Where both have values, differences count; a BRDF without holes keeps its bits beside another without. */
 TEST(differences_count) {
-    limits whole = {0}, tangent = {.is_brushed = true}, high_sun = {.least_wi = 0.3};
+    limits whole = {0}, brushed = {.is_brushed = true}, high_sun = {.least_wi = 0.3};
     nqm_scene *scene = scene_of(0.3);
-    nqm_scene_picture a = picture_of(scene, &whole), b = picture_of(scene, &tangent), c = picture_of(scene, &high_sun);
+    nqm_scene_picture a = picture_of(scene, &whole), b = picture_of(scene, &brushed), c = picture_of(scene, &high_sun);
     nqm_label plain, common;
     double valid;
     assert_true(a.valid == 1 && b.valid == 1);

@@ -183,7 +183,7 @@ TEST(shared_nodes) {
     nqm_materials_free(materials);
 }
 
-/* Two materials with one shader have equal maps. */
+/* Two materials with one shader have the same maps. */
 TEST(shared_shaders) {
     nqm_materials *materials = text_as_materials(
         "x.mtlx", "<materialx><image name='n' type='color3'>" FILE_INPUT(
@@ -192,12 +192,8 @@ TEST(shared_shaders) {
                                "</surfacematerial><surfacematerial name='B'><input name='surfaceshader' nodename='S'/>"
                                "</surfacematerial></materialx>");
     assert_int_equal(nqm_materials_count(materials), 2);
-    const nqm_textured *a = nqm_materials_maps(materials, 0, 0), *b = nqm_materials_maps(materials, 1, 0);
-    assert_non_null(a);
-    assert_non_null(b);
-    assert_int_equal(a->n_nodes, b->n_nodes);
-    assert_int_equal(a->outputs[0].node, b->outputs[0].node);
-    assert_string_equal(a->images[0].path, b->images[0].path);
+    assert_non_null(nqm_materials_maps(materials, 0, 0));
+    assert_ptr_equal(nqm_materials_maps(materials, 0, 0), nqm_materials_maps(materials, 1, 0));
     assert_string_equal(nqm_materials_get(materials, 1).name, "B");
     nqm_materials_free(materials);
 }

@@ -12,7 +12,7 @@
 
 #include <nqm/label.h>
 
-static const char tangent[] = "ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
+static const char brushed[] = "ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   wider[] = "ggx:kd=.1;ks=1;alpha=.1,.35;f0=.9,.6,.3",
                   turned[] = "rotate:deg=90;of=ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   plain[] = "ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3";
@@ -41,8 +41,8 @@ TEST(pictures_are_those_of_the_scene) {
         double tolerance; /* Delta-E */
     } pairs[] = {{"lambert:kd=.8,.5,.2", "lambert:kd=.5", 0.01},
                  {plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3", 0.4},
-                 {tangent, wider, 0.4},
-                 {tangent, turned, 0.5},
+                 {brushed, wider, 0.4},
+                 {brushed, turned, 0.5},
                  {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.05},
                  {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 0.1},
                  {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 1.8},
@@ -69,9 +69,9 @@ TEST(files_and_copies_score_the_same) {
     assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
     assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(model, &copy, NULL), NQM_OK);
-    const double jod = score_specs(model, tangent, turned).jod;
-    assert_true(score_specs(loaded, tangent, turned).jod == jod && score_specs(copy, tangent, turned).jod == jod);
-    assert_true(jod < 9 && score_specs(model, tangent, tangent).identical);
+    const double jod = score_specs(model, brushed, turned).jod;
+    assert_true(score_specs(loaded, brushed, turned).jod == jod && score_specs(copy, brushed, turned).jod == jod);
+    assert_true(jod < 9 && score_specs(model, brushed, brushed).identical);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     nqm_model_free(copy);
     nqm_model_free(loaded);
@@ -144,9 +144,9 @@ TEST(lobes_are_measured) {
 
 TEST(default_takes_the_score_of_anisotropic) {
     nqm_model *models[] = {builtin("default"), builtin("transport")}, *whole = builtin("anisotropic");
-    const nqm_score_result seen = score_specs(whole, tangent, turned);
+    const nqm_score_result seen = score_specs(whole, brushed, turned);
     for (size_t i = 0; i < 2; ++i) {
-        const nqm_score_result result = score_specs(models[i], tangent, turned),
+        const nqm_score_result result = score_specs(models[i], brushed, turned),
                                flat = score_specs(models[i], plain, "ggx:ks=1;alpha=.2");
         assert_int_equal(result.status, NQM_OK);
         assert_true(result.anisotropy > 0.1 && result.jod == seen.jod &&
@@ -165,8 +165,8 @@ TEST(names_do_not_make_a_model_of_the_standard_scenes) {
     assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
     assert_int_equal(nqm_model_load(scratch_path("model"), &file, NULL), NQM_OK);
     assert_int_equal(nqm_transport_create(&o, 0, 64, "transport", &other, NULL), NQM_OK);
-    assert_true(score_specs(file, tangent, turned).jod == score_specs(model, tangent, turned).jod);
-    assert_int_equal(score_specs(other, tangent, turned).status, NQM_ERR_INCOMPATIBLE);
+    assert_true(score_specs(file, brushed, turned).jod == score_specs(model, brushed, turned).jod);
+    assert_int_equal(score_specs(other, brushed, turned).status, NQM_ERR_INCOMPATIBLE);
     assert_int_equal(score_specs(other, plain, plain).status, NQM_OK);
     nqm_model_free(model);
     nqm_model_free(file);
@@ -176,14 +176,14 @@ TEST(names_do_not_make_a_model_of_the_standard_scenes) {
 /* The names of the same pair, and a model whose directions see one azimuth and that is not of the standard scenes. */
 TEST(named_pairs) {
     nqm_model *model = builtin("default"), *paper = builtin("paper");
-    const nqm_named_pair pairs[] = {{tangent, turned}, {plain, plain}, {plain, turned}};
+    const nqm_named_pair pairs[] = {{brushed, turned}, {plain, plain}, {plain, turned}};
     nqm_score_result results[3], refused[3];
     nqm_error errors[3];
     nqm_scorer *scorer;
     assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
     assert_int_equal(nqm_scorer_run_named(scorer, 3, pairs, results, errors, NULL), NQM_OK);
     nqm_scorer_free(scorer);
-    assert_true(results[0].jod == score_specs(model, tangent, turned).jod &&
+    assert_true(results[0].jod == score_specs(model, brushed, turned).jod &&
                 results[2].jod == score_specs(model, plain, turned).jod);
     assert_true(results[1].identical && results[1].anisotropy == 0);
     assert_int_equal(nqm_scorer_create(paper, NULL, &scorer, NULL), NQM_OK);
